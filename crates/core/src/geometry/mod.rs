@@ -1,0 +1,17 @@
+//! Plane geometry: points, poses, segments and polylines.
+//!
+//! Lengths are metres and angles radians, counter-clockwise positive. A pose is
+//! named for the frames it joins: `map_from_scan` turns scan coordinates into
+//! map coordinates.
+
+mod angle;
+mod point;
+mod polyline;
+mod pose;
+mod segment;
+
+pub use angle::wrap_rad;
+pub use point::Point;
+pub use polyline::{Polyline, PolylineError};
+pub use pose::Pose;
+pub use segment::Segment;
