@@ -84,6 +84,7 @@ impl Mul for Pose {
 
 impl Mul<Point> for Pose {
     type Output = Point;
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "a motion turns, then shifts")]
     fn mul(self, p: Point) -> Point {
         self.rotate(p) + self.translation()
     }
