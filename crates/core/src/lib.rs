@@ -6,6 +6,11 @@
 
 pub mod align;
 pub mod extract;
+mod finish;
 pub mod geometry;
+pub mod judge;
 pub mod map;
+pub mod mapper;
+pub mod merge;
 pub mod scan;
+mod side_points;

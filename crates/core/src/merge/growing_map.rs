@@ -10,6 +10,9 @@ use std::sync::Arc;
 use crate::extract::simplify_chain;
 use crate::geometry::{Point, SideGrid};
 
+/// What another side of a skeleton must save in squared deviations, in units of σ²; the same as for scans.
+const SIDE_PENALTY: f64 = 16.0;
+
 /// A vertex of the growing map.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Vertex {
@@ -28,14 +31,15 @@ impl Vertex {
         Self { point, hits: 1, seen_through: 0, last_seen_through: u32::MAX, squares_m2: 0.0 }
     }
 
-    /// The weighted average of this vertex, which stands for `hits` observations, and one more (paper section 4:
-    /// larger weight on the map; n/(n+1) is the weight that makes it the mean of all).
-    pub fn averaged(mut self, seen: Point, most_hits: u32) -> Self {
-        let n = f64::from(self.hits.min(most_hits));
+    /// The weighted average of this vertex and a place seen by `seen_hits` scans (paper section 4: larger weight on
+    /// the map). Each has the weight of its observations, which makes the vertex the mean of all; `most_hits` bounds
+    /// the map's weight, so that it can follow slow change.
+    pub fn averaged(mut self, seen: Point, seen_hits: u32, most_hits: u32) -> Self {
+        let (n, m) = (f64::from(self.hits.min(most_hits)), f64::from(seen_hits.min(most_hits)));
         let shift = seen - self.point;
-        self.point += shift / (n + 1.0);
-        self.squares_m2 += shift.dot(shift) * n / (n + 1.0);
-        self.hits += 1;
+        self.point += shift * (m / (n + m));
+        self.squares_m2 += shift.dot(shift) * n * m / (n + m);
+        self.hits += seen_hits;
         self
     }
 
@@ -131,7 +135,7 @@ impl GrowingMap {
     }
 
     /// Brings the skeletons up to date; returns the slots that changed.
-    pub fn refresh_skeletons(&mut self, tolerance_m: f64) -> Vec<u32> {
+    pub fn refresh_skeletons(&mut self, sigma_m: f64) -> Vec<u32> {
         let mut stale = std::mem::take(&mut self.stale);
         stale.sort_unstable();
         stale.dedup();
@@ -139,8 +143,8 @@ impl GrowingMap {
         for &slot in &stale {
             let Some(polyline) = self.slots[slot as usize].as_deref() else { continue };
             let points: Vec<Point> = polyline.vertices.iter().map(|v| v.point).collect();
-            let weights: Vec<f64> = polyline.vertices.iter().map(|v| f64::from(v.hits.min(100))).collect();
-            self.skeleton.insert(slot, simplify_chain(&points, &weights, tolerance_m));
+            let weights = vec![1.0 / (sigma_m * sigma_m); points.len()];
+            self.skeleton.insert(slot, simplify_chain(&points, &weights, SIDE_PENALTY));
         }
         stale
     }

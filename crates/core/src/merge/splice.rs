@@ -63,7 +63,7 @@ pub(crate) fn splice(map: &mut GrowingMap, runs: &[Run], settings: &MergeSetting
 impl Chain<'_> {
     fn push(&mut self, run: &Run, is_first: bool) -> bool {
         let (Some(slot), Some((from, to))) = (run.slot, run.reach()) else {
-            self.vertices.extend(run.points.iter().map(|(p, _)| Vertex::new(p.point)));
+            self.vertices.extend(run.points.iter().map(|(p, _)| p.vertex));
             return true;
         };
         let Some(old) = self.map.polyline(slot) else { return true };
@@ -127,7 +127,9 @@ fn merged(old: &[Vertex], run: &Run, settings: &MergeSettings) -> Vec<Vertex> {
     for k in from.ceil() as usize..=(to.floor() as usize).min(old.len() - 1) {
         let closest = closest_on_scan(&run.points, &mut search, k as f64, old[k].point);
         let moved = match closest {
-            Some(p) if p.distance(old[k].point) <= settings.gate_m => old[k].averaged(p, settings.most_hits),
+            Some((p, hits)) if p.distance(old[k].point) <= settings.gate_m => {
+                old[k].averaged(p, hits, settings.most_hits)
+            },
             _ => old[k],
         };
         out.push((k as f64, moved));
@@ -140,7 +142,7 @@ fn merged(old: &[Vertex], run: &Run, settings: &MergeSettings) -> Vec<Vertex> {
         let far = |q: Point| q.distance(link.point) >= spacing_m;
         if far(a.point) && far(b.point) && last.is_none_or(far) {
             last = Some(link.point);
-            out.push((link.at, between(a, b, link.point).averaged(p.point, settings.most_hits)));
+            out.push((link.at, between(a, b, link.point).averaged(p.vertex.point, p.vertex.hits, settings.most_hits)));
         }
     }
     out.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -159,16 +161,22 @@ fn between(a: &Vertex, b: &Vertex, point: Point) -> Vertex {
 }
 
 /// The point of the scan closest to map vertex `v` (number `at`), among the sides between the scan points that are
-/// linked before and behind it. `search` moves forward from vertex to vertex.
-fn closest_on_scan(points: &[(ScanPoint, Option<Link>)], search: &mut usize, at: f64, v: Point) -> Option<Point> {
+/// linked before and behind it, and the observations it rests on. `search` moves forward from vertex to vertex.
+fn closest_on_scan(
+    points: &[(ScanPoint, Option<Link>)],
+    search: &mut usize,
+    at: f64,
+    v: Point,
+) -> Option<(Point, u32)> {
     while *search + 2 < points.len() && points[*search + 1].1.is_some_and(|l| l.at < at) {
         *search += 1;
     }
     let sides = search.saturating_sub(1)..(*search + 2).min(points.len().saturating_sub(1));
     sides
         .map(|k| {
-            let side = Segment::new(points[k].0.point, points[k + 1].0.point);
-            side.at(side.closest_share(v))
+            let (a, b) = (&points[k].0.vertex, &points[k + 1].0.vertex);
+            let side = Segment::new(a.point, b.point);
+            (side.at(side.closest_share(v)), a.hits.min(b.hits))
         })
-        .min_by(|p, q| p.distance(v).total_cmp(&q.distance(v)))
+        .min_by(|p, q| p.0.distance(v).total_cmp(&q.0.distance(v)))
 }
