@@ -9,6 +9,7 @@ pub mod extract;
 mod finish;
 pub mod geometry;
 pub mod judge;
+mod keyframe;
 pub mod map;
 pub mod mapper;
 pub mod merge;

@@ -4,6 +4,7 @@ use crate::align::{AlignSettings, Alignment, Guess, Prior, SidePoint, align_to_g
 use crate::extract::{ExtractSettings, Extraction, extract};
 use crate::geometry::{Pose, wrap_rad};
 use crate::judge::{Agreement, judge};
+use crate::keyframe::Keyframe;
 use crate::map::Map;
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::{MergeReport, MergeSettings, merge};
@@ -74,8 +75,7 @@ pub struct Mapper {
     map: GrowingMap,
     outcomes: Vec<Outcome>,
     motion: Option<Motion>,
-    keyframe: Option<(Pose, usize)>,
-    merges: u32,
+    keyframes: Vec<Keyframe>,
 }
 
 struct Placement {
@@ -92,8 +92,7 @@ impl Mapper {
             map: GrowingMap::default(),
             outcomes: Vec::new(),
             motion: None,
-            keyframe: None,
-            merges: 0,
+            keyframes: Vec::new(),
         }
     }
 
@@ -134,26 +133,26 @@ impl Mapper {
         let last = self.motion.map_or(pose, |m| m.map_from_scan);
         self.motion = Some(Motion { map_from_scan: pose, step: last.inverse() * pose });
         if self.is_keyframe(pose, step) {
-            self.keyframe = Some((pose, step.scan));
-            step.merged = Some(merge(
-                &mut self.map,
-                scan,
-                &step.extraction.polylines,
-                pose,
-                self.merges,
-                &self.settings.merge,
-            ));
-            self.merges += 1;
+            let keyframe = Keyframe {
+                number: step.scan,
+                scan: scan.clone(),
+                polylines: step.extraction.polylines.clone(),
+                map_from_scan: pose,
+            };
+            let merged = merge(&mut self.map, &keyframe, self.keyframes.len() as u32, &self.settings.merge);
+            step.merged = Some(merged);
+            self.keyframes.push(keyframe);
         }
     }
 
     fn is_keyframe(&self, pose: Pose, step: &Step) -> bool {
-        let Some((last, at)) = self.keyframe else { return true };
+        let Some(keyframe) = self.keyframes.last() else { return true };
+        let last = keyframe.map_from_scan;
         let new_share = step.agreement.map_or(1.0, |a| 1.0 - a.known_share());
         last.distance(pose) > 0.25
             || wrap_rad(last.theta_rad - pose.theta_rad).abs() > 0.17
             || new_share > 0.2
-            || step.scan - at >= 10
+            || step.scan - keyframe.number >= 10
     }
 
     fn find(&self, points: &[SidePoint], motion: Motion) -> Option<Placement> {
@@ -197,6 +196,6 @@ impl Mapper {
     /// The map as it stands.
     #[must_use]
     pub fn map(&self) -> Map {
-        crate::finish::finish(&self.map, &self.settings.merge)
+        crate::finish::finish(&self.map, &self.keyframes, &self.settings.merge)
     }
 }
