@@ -14,4 +14,5 @@ pub mod map;
 pub mod mapper;
 pub mod merge;
 pub mod scan;
+mod search;
 mod side_points;
