@@ -254,17 +254,20 @@ fn levels_scene(walls: &[Polyline]) -> Scene {
 }
 
 fn correspondence_scene(walls: &[Polyline], apart: Apart) -> Scene {
-    let seen = |pose, seed| simplified(&scan(pose, walls, 361, &mut Noise(seed)), 15.0);
     let long = |p: &Polyline| p.length_m() > 0.8;
-    let first: Vec<Polyline> = seen(Pose::new(8.0, 8.0, 0.2), 1)
-        .into_iter()
-        .filter(long)
-        .collect();
-    let second: Vec<Polyline> = seen(Pose::new(11.5, 6.4, 0.7), 2)
-        .into_iter()
-        .filter(long)
-        .collect();
-    let pairs: Vec<(usize, usize)> = (0..first.len().min(second.len())).map(|k| (k, k)).collect();
+    let seen = |pose, seed| -> Vec<Polyline> {
+        simplified(&scan(pose, walls, 361, &mut Noise(seed)), 20.0)
+            .into_iter()
+            .filter(long)
+            .collect()
+    };
+    let (at_first, at_second) = (Pose::new(8.0, 8.0, 0.2), Pose::new(10.6, 6.0, 0.9));
+    let (first, second) = (seen(at_first, 1), seen(at_second, 2));
+    // The flat is known here, so what lies close in it is the same wall.
+    let middle = |p: &Polyline, pose: Pose| pose * p.first().lerp(p.last(), 0.5);
+    let near = |a: &Polyline, b: &Polyline| middle(a, at_first).distance(middle(b, at_second)) < 1.2;
+    let all = (0..first.len()).flat_map(|a| (0..second.len()).map(move |b| (a, b)));
+    let pairs: Vec<(usize, usize)> = all.filter(|(a, b)| near(&first[*a], &second[*b])).collect();
     correspondence(&first, &second, &pairs, apart)
 }
 

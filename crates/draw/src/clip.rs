@@ -61,6 +61,39 @@ pub(crate) fn segment(a: Px, b: Px, frame: PxBox) -> Option<(Px, Px)> {
     (enter <= leave && start.is_finite() && end.is_finite()).then_some((start, end))
 }
 
+/// The part of a closed line inside `frame` (Sutherland and Hodgman 1974); empty when a corner is not finite.
+pub(crate) fn polygon(corners: &[Px], frame: PxBox) -> Vec<Px> {
+    if !corners.iter().all(|c| c.is_finite()) {
+        return Vec::new();
+    }
+    let depths: [&dyn Fn(Px) -> f64; 4] = [
+        &|p| p.x - frame.left,
+        &|p| frame.right() - p.x,
+        &|p| p.y - frame.top,
+        &|p| frame.bottom() - p.y,
+    ];
+    depths
+        .iter()
+        .fold(corners.to_vec(), |left, depth| half(&left, depth))
+}
+
+/// The part of a closed line where `depth`, linear in the plane, is not negative.
+fn half(corners: &[Px], depth: &dyn Fn(Px) -> f64) -> Vec<Px> {
+    let mut kept = Vec::with_capacity(corners.len() + 2);
+    for (k, &corner) in corners.iter().enumerate() {
+        let next = corners[(k + 1) % corners.len()];
+        let (here, there) = (depth(corner), depth(next));
+        if here >= 0.0 {
+            kept.push(corner);
+        }
+        if (here >= 0.0) != (there >= 0.0) {
+            kept.push(corner.lerp(next, here / (here - there)));
+        }
+    }
+    kept.retain(|c| c.is_finite());
+    kept
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -104,5 +137,16 @@ mod tests {
         let (a, b) = segment(Px::new(-1e9, 5.0), Px::new(1e9, 5.0), FRAME).unwrap();
         assert!(a.distance(Px::new(0.0, 5.0)) < 1e-5 && b.distance(Px::new(10.0, 5.0)) < 1e-5);
         assert_eq!(segment(Px::new(-1.0, 11.0), Px::new(20.0, 12.0), FRAME), None);
+    }
+
+    #[test]
+    fn a_polygon_is_cut_at_the_corner_of_the_frame() {
+        let corners = [(5.0, 5.0), (20.0, 5.0), (20.0, 20.0), (5.0, 20.0)].map(|(x, y)| Px::new(x, y));
+        let kept = polygon(&corners, FRAME);
+        let wanted = [(5.0, 5.0), (10.0, 5.0), (10.0, 10.0), (5.0, 10.0)].map(|(x, y)| Px::new(x, y));
+        assert!(
+            kept.len() == 4 && wanted.iter().all(|w| kept.iter().any(|k| k.distance(*w) < 1e-9)),
+            "{kept:?}"
+        );
     }
 }

@@ -50,7 +50,7 @@ pub mod palette {
     /// The side of a wall that is not free.
     pub const SHADE: Colour = Colour::rgb(0xe1_e5e9);
     /// Grid lines.
-    pub const GRID: Colour = Colour::rgb(0xeb_eef1);
+    pub const GRID: Colour = Colour::rgb(0xe6_eaee);
     /// Trajectory; second scan.
     pub const BLUE: Colour = Colour::rgb(0x00_72b2);
     /// First scan.

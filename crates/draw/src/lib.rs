@@ -31,6 +31,7 @@ mod plate;
 mod png;
 mod round;
 mod scene;
+mod shade;
 mod svg;
 
 pub use bounds::Bounds;

@@ -9,8 +9,9 @@ use polymapper_core::map::Map;
 
 use crate::bounds::Bounds;
 use crate::colour::palette;
-use crate::round::{counted, spoken};
+use crate::round::{count, counted, spoken};
 use crate::scene::{Dash, Extent, Face, Fill, Grid, Label, Layer, Mark, Panel, Sample, Scene, Stroke};
+use crate::shade::shade;
 
 /// Where a scan was taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,7 +27,7 @@ pub struct TrajectoryPoint {
 /// The way is broken where scans were not placed; the gap is bridged by dots.
 #[must_use]
 pub fn map_picture(map: &Map, trajectory: &[TrajectoryPoint], title: &str) -> Scene {
-    let mut panel = map_panel(map, trajectory);
+    let mut panel = map_panel(map, trajectory, Scene::PAGE_PX);
     let (caption, hidden) = caption(map, trajectory, panel.bounds());
     if hidden == 0 {
         panel.extent = Extent::All;
@@ -35,12 +36,21 @@ pub fn map_picture(map: &Map, trajectory: &[TrajectoryPoint], title: &str) -> Sc
     Scene::of(panel).with_title(title).with_caption(caption)
 }
 
-/// The plot of [`map_picture`], for figures with several.
-pub(crate) fn map_panel(map: &Map, trajectory: &[TrajectoryPoint]) -> Panel {
-    let size_m = Bounds::robust(&map_points(map)).map_or(10.0, |b| b.width_m().max(b.height_m()));
-    let wall = wall_stroke(size_m);
+/// The plot of [`map_picture`], for a panel some `width_px` wide.
+pub(crate) fn map_panel(map: &Map, trajectory: &[TrajectoryPoint], width_px: f64) -> Panel {
+    let points: Vec<Point> = map
+        .polylines
+        .iter()
+        .flat_map(|p| &p.vertices)
+        .map(|v| v.point)
+        .collect();
+    let size_m = Bounds::robust(&points)
+        .map_or(10.0, |b| b.width_m().max(b.height_m()))
+        .max(1e-3);
+    let metres_per_px = size_m / width_px;
+    let wall = wall_stroke(metres_per_px, width_px);
     let mut panel = Panel::new("")
-        .with(shade(map, wall.width_px, size_m))
+        .with(shade(map, wall.width_px, metres_per_px))
         .with(walls(map, wall));
     let placed = trajectory.iter().any(|t| t.placed);
     if placed {
@@ -62,9 +72,9 @@ pub(crate) fn map_panel(map: &Map, trajectory: &[TrajectoryPoint]) -> Panel {
 }
 
 /// Walls as wide as 4 cm, but not below or above what reads well: a house has bold walls, a campus thin ones.
-fn wall_stroke(size_m: f64) -> Stroke {
-    let metres_per_px = size_m.max(1e-3) / Scene::PAGE_PX;
-    Stroke::new(palette::INK, (0.04 / metres_per_px).clamp(2.0, 5.0))
+fn wall_stroke(metres_per_px: f64, width_px: f64) -> Stroke {
+    let boldest_px = 5.0 * (width_px / Scene::PAGE_PX).sqrt();
+    Stroke::new(palette::INK, (0.04 / metres_per_px).clamp(2.0, boldest_px))
 }
 
 fn way_stroke(wall_px: f64) -> Stroke {
@@ -75,52 +85,12 @@ fn box_stroke() -> Stroke {
     Stroke::new(palette::ORANGE, 2.0)
 }
 
-fn map_points(map: &Map) -> Vec<Point> {
-    map.polylines
-        .iter()
-        .flat_map(|p| &p.vertices)
-        .map(|v| v.point)
-        .collect()
-}
-
 fn walls(map: &Map, stroke: Stroke) -> Layer {
     let mut layer = Layer::new("walls");
     for polyline in &map.polylines {
         layer.line(polyline.vertices.iter().map(|v| v.point), stroke);
     }
     layer
-}
-
-/// A band along the right of every wall, as wide as three walls.
-fn shade(map: &Map, wall_px: f64, size_m: f64) -> Layer {
-    let mut layer = Layer::new("not free");
-    let width_px = 3.2 * wall_px;
-    let shift_m = 0.5 * width_px * size_m / Scene::PAGE_PX;
-    for polyline in map.polylines.iter().filter_map(|p| p.polyline()) {
-        layer.line(
-            shifted_right(polyline.vertices(), shift_m),
-            Stroke::new(palette::SHADE, width_px),
-        );
-    }
-    layer
-}
-
-/// The line moved to its right; at a vertex along the mean of both sides' normals, at most twice as far.
-fn shifted_right(vertices: &[Point], by_m: f64) -> Vec<Point> {
-    let normal = |k: usize| {
-        let (a, b) = (vertices.get(k)?, vertices.get(k + 1)?);
-        Some(-(*b - *a).unit()?.left())
-    };
-    let shift = |k: usize| {
-        let before = k.checked_sub(1).and_then(normal);
-        let after = normal(k);
-        let (Some(before), Some(after)) = (before.or(after), after.or(before)) else {
-            return Point::default();
-        };
-        let mean = (before + after).unit().unwrap_or(after);
-        mean * (by_m / mean.dot(after).max(0.5))
-    };
-    vertices.iter().enumerate().map(|(k, p)| *p + shift(k)).collect()
 }
 
 fn way(trajectory: &[TrajectoryPoint], wall_px: f64) -> Layer {
@@ -192,7 +162,7 @@ fn caption(map: &Map, trajectory: &[TrajectoryPoint], shown: Option<Bounds>) -> 
         let share = if placed == trajectory.len() {
             "all".to_owned()
         } else {
-            format!("{} of", crate::round::count(placed))
+            format!("{} of", count(placed))
         };
         text += &format!(" {share} {} placed", counted(trajectory.len(), "scan"));
         text += &match way_length_m(trajectory) {
@@ -246,39 +216,8 @@ fn way_length_m(trajectory: &[TrajectoryPoint]) -> f64 {
 /// A length in metres with three digits or so.
 fn long_length(length_m: f64) -> String {
     match length_m {
-        l if (100.0..1e15).contains(&l) => format!("{} m", crate::round::count(l.round() as usize)),
+        l if (100.0..1e15).contains(&l) => format!("{} m", count(l.round() as usize)),
         l if l >= 1.0 => format!("{l:.1} m"),
         l => spoken(l),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_band_lies_on_the_right() {
-        let wall = [Point::new(0.0, 0.0), Point::new(2.0, 0.0), Point::new(2.0, 2.0)];
-        let band = shifted_right(&wall, 0.1);
-        let wanted = [Point::new(0.0, -0.1), Point::new(2.1, -0.1), Point::new(2.1, 2.0)];
-        assert!(
-            band.iter().zip(wanted).all(|(a, b)| a.distance(b) < 1e-9),
-            "{band:?}"
-        );
-    }
-
-    #[test]
-    fn a_wall_that_turns_back_stays_near() {
-        let spike = [
-            Point::new(0.0, 0.0),
-            Point::new(1.0, 0.0),
-            Point::new(0.0, 0.0),
-            Point::new(0.0, 0.0),
-        ];
-        let band = shifted_right(&spike, 0.1);
-        assert!(
-            band.iter().zip(spike).all(|(a, b)| a.distance(b) < 0.21),
-            "{band:?}"
-        );
     }
 }

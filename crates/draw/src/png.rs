@@ -221,7 +221,10 @@ fn trace(points: &[Px], path: &mut PathBuilder) {
     }
 }
 
-/// Octagons of the area of the discs: at a few pixels no eye tells them apart, and they cost a third.
+/// Larger dots are round; smaller ones eight-sided, which no eye tells apart and costs a third.
+const ROUND_FROM_PX: f64 = 2.5;
+
+/// Discs; small ones as octagons of the same area.
 fn dots(centres: &[Px], radius: f64) -> Option<Path> {
     let (long, short) = (1.03 * radius * 0.9239, 1.03 * radius * 0.3827);
     let corners = [
@@ -236,6 +239,10 @@ fn dots(centres: &[Px], radius: f64) -> Option<Path> {
     ];
     let mut path = PathBuilder::new();
     for centre in centres {
+        if radius >= ROUND_FROM_PX {
+            path.push_circle(centre.x as f32, centre.y as f32, radius as f32);
+            continue;
+        }
         trace(&corners.map(|(x, y)| *centre + Px::new(x, y)), &mut path);
         path.close();
     }

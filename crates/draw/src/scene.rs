@@ -99,6 +99,8 @@ pub struct Stroke {
     pub opacity: f64,
     /// Whether its end carries an arrow head.
     pub arrow: bool,
+    /// Whether its ends are cut off flat instead of round.
+    pub flat: bool,
 }
 
 /// How a line is broken.
@@ -169,6 +171,13 @@ pub enum Mark {
         points: Vec<Point>,
         /// How it is drawn.
         stroke: Stroke,
+    },
+    /// The inside of a closed line, filled; nothing when a corner is not finite.
+    Polygon {
+        /// In order, the first not repeated.
+        corners: Vec<Point>,
+        /// Colour of the inside.
+        colour: Colour,
     },
     /// A cloud of points, thinned to what a pixel can show.
     Dots {
@@ -378,6 +387,7 @@ impl Stroke {
             dash: Dash::Solid,
             opacity: 1.0,
             arrow: false,
+            flat: false,
         }
     }
 
@@ -385,6 +395,13 @@ impl Stroke {
     #[must_use]
     pub const fn dash(mut self, dash: Dash) -> Self {
         self.dash = dash;
+        self
+    }
+
+    /// The same with ends cut off flat.
+    #[must_use]
+    pub const fn with_flat_ends(mut self) -> Self {
+        self.flat = true;
         self
     }
 
@@ -400,7 +417,9 @@ impl Mark {
     /// The points that the mark's extent depends on, finite or not.
     fn extreme_points(&self) -> Vec<Point> {
         match self {
-            Self::Line { points, .. } | Self::Dots { points, .. } => points.clone(),
+            Self::Line { points, .. } | Self::Dots { points, .. } | Self::Polygon { corners: points, .. } => {
+                points.clone()
+            }
             Self::Circle {
                 centre,
                 radius: Radius::Px(_),

@@ -32,7 +32,7 @@ pub fn correspondence(
         Apart::SideBySide => beside(first, second),
     };
     let second: Vec<Polyline> = second.iter().map(|p| p.transformed(shift)).collect();
-    let green = Stroke::new(palette::GREEN, 5.0);
+    let green = Stroke::new(palette::GREEN, 4.6);
     let blue = Stroke::new(palette::BLUE, 3.2);
     let link = Stroke::new(palette::GREY, 2.0).dash(Dash::Dashed);
     let mut links = Layer::new("correspondences");

@@ -20,14 +20,14 @@ pub struct Stage {
 #[must_use]
 pub fn levels(points: &[Point], stages: &[Stage]) -> Scene {
     let mut raw = Layer::new("returns");
-    raw.dots(points.iter().copied(), 2.6, palette::INK);
+    raw.dots(points.iter().copied(), 2.4, palette::INK);
     let title = format!("raw: {}", counted(points.len(), "point"));
     let mut panels = vec![finished(Panel::new(title).with(raw))];
     panels.extend(stages.iter().map(|stage| {
         let layer = polylines(
             "polylines",
             &stage.polylines,
-            Stroke::new(palette::INK, 2.6),
+            Stroke::new(palette::INK, 2.4),
             palette::VERMILION,
         );
         let count = |n, noun| counted(n, noun);

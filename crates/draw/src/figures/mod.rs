@@ -31,7 +31,7 @@ fn polylines<'a>(
         layer.line(polyline.vertices().iter().copied(), stroke);
         vertices.extend_from_slice(polyline.vertices());
     }
-    layer.dots(vertices, 1.35 * stroke.width_px, dot);
+    layer.dots(vertices, 1.2 * stroke.width_px, dot);
     layer
 }
 

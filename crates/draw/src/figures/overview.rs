@@ -28,7 +28,7 @@ pub struct Overview<'a> {
 #[must_use]
 pub fn overview(input: &Overview<'_>) -> Scene {
     let no_odometry = "no odometry in this log";
-    let mut map = map_panel(input.map, &[]);
+    let mut map = map_panel(input.map, &[], 0.45 * Scene::PAGE_PX);
     "polygonal map".clone_into(&mut map.title);
     "the map is empty".clone_into(&mut map.when_empty);
     map.legend.clear();
@@ -55,46 +55,56 @@ fn overlay_panel(title: &str, overlay: Option<&Overlay>, when_missing: &str) -> 
         return panel;
     };
     "no points in these scans".clone_into(&mut panel.when_empty);
-    let mut points = Vec::with_capacity(scans.iter().map(|(_, p)| p.len()).sum());
+    let mut cloud = Vec::with_capacity(points(scans));
     for (map_from_scan, scan) in scans {
-        points.extend(map_from_scan.transform(scan));
+        cloud.extend(map_from_scan.transform(scan));
     }
     let mut layer = Layer::new("scan points");
-    layer.dots(points, 0.9, palette::INK);
+    layer.dots(cloud, 0.95, palette::INK);
     panel.with(layer)
 }
 
+/// What is laid over each other in (a) to (c), said once where it is the same, and the numbers of the map.
 fn caption(input: &Overview<'_>) -> String {
-    let said = |letter: &str, overlay: Option<&Overlay>| {
-        overlay.map(|scans| {
-            let points: usize = scans.iter().map(|(_, p)| p.len()).sum();
-            format!(
-                "({letter}) {} with {}; ",
-                counted(scans.len(), "scan"),
-                counted(points, "point")
-            )
-        })
-    };
-    let all = [input.odometry, input.rotation_corrected, input.aligned];
-    let parts: String = ["a", "b", "c"]
+    let overlays = [
+        ("(a)", input.odometry),
+        ("(b)", input.rotation_corrected),
+        ("(c)", input.aligned),
+    ];
+    let mut said: Vec<(String, String)> = Vec::new();
+    for (letter, overlay) in overlays {
+        let Some(scans) = overlay else { continue };
+        let what = format!(
+            "{} with {}",
+            counted(scans.len(), "scan"),
+            counted(points(scans), "point")
+        );
+        match said.last_mut() {
+            Some((letters, same)) if *same == what => *letters += &format!(", {letter}"),
+            _ => said.push((letter.to_owned(), what)),
+        }
+    }
+    let said: String = said
         .iter()
-        .zip(all)
-        .filter_map(|(l, o)| said(l, o))
+        .map(|(letters, what)| format!("{letters} {what}; "))
         .collect();
     let vertices: usize = input.map.polylines.iter().map(|p| p.vertices.len()).sum();
-    let points = all
-        .into_iter()
-        .flatten()
-        .map(|s| s.iter().map(|(_, p)| p.len()).sum::<usize>())
-        .max();
-    let ratio = match points {
-        Some(points) if vertices > 0 && points >= 2 * vertices => {
-            format!(
-                " One vertex of the map stands for {} scan points.",
-                count(points / vertices)
-            )
-        }
-        _ => String::new(),
+    let most = overlays
+        .iter()
+        .filter_map(|(_, overlay)| overlay.map(points))
+        .max()
+        .unwrap_or(0);
+    let ratio = if vertices > 0 && most >= 2 * vertices {
+        format!(
+            " One vertex of the map stands for {} scan points.",
+            count(most / vertices)
+        )
+    } else {
+        String::new()
     };
-    format!("{parts}(d) {}{ratio}", map_numbers(input.map))
+    format!("{said}(d) {}{ratio}", map_numbers(input.map))
+}
+
+fn points(overlay: &Overlay) -> usize {
+    overlay.iter().map(|(_, points)| points.len()).sum()
 }

@@ -61,6 +61,17 @@ impl<'a> Marks<'a> {
                 let points: Vec<Px> = points.iter().map(|p| self.view.px(*p)).collect();
                 self.line(&points, stroke)
             }
+            Mark::Polygon { corners, colour } => {
+                let corners: Vec<Px> = corners.iter().map(|p| self.view.px(*p)).collect();
+                match clip::polygon(&corners, self.view.frame) {
+                    corners if corners.len() < 3 => Vec::new(),
+                    corners => vec![Item::Area {
+                        corners,
+                        fill: Some(ink(*colour, 1.0)),
+                        pen: None,
+                    }],
+                }
+            }
             Mark::Dots {
                 points,
                 radius_px,
@@ -68,7 +79,8 @@ impl<'a> Marks<'a> {
             } => {
                 let places: Vec<Px> = points.iter().map(|p| self.view.px(*p)).collect();
                 let radius = (radius_px * self.unit).clamp(0.3, 100.0);
-                cloud::thin(&places, self.view.frame, 2.0 * radius)
+                // Cells a little smaller than a dot, so that the dots of a wall run together.
+                cloud::thin(&places, self.view.frame, 1.5 * radius)
                     .into_iter()
                     .filter(|(_, centres)| !centres.is_empty())
                     .map(|(strength, centres)| Item::Dots {

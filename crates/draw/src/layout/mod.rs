@@ -30,6 +30,6 @@ fn pen_of(stroke: &Stroke, unit: f64) -> Pen {
         width,
         dashes: marks::dashes(stroke.dash, width, unit),
         opacity: stroke.opacity.clamp(0.0, 1.0),
-        butt: false,
+        butt: stroke.flat,
     }
 }
