@@ -263,9 +263,15 @@ fn correspondence_scene(walls: &[Polyline], apart: Apart) -> Scene {
     };
     let (at_first, at_second) = (Pose::new(8.0, 8.0, 0.2), Pose::new(10.6, 6.0, 0.9));
     let (first, second) = (seen(at_first, 1), seen(at_second, 2));
-    // The flat is known here, so what lies close in it is the same wall.
-    let middle = |p: &Polyline, pose: Pose| pose * p.first().lerp(p.last(), 0.5);
-    let near = |a: &Polyline, b: &Polyline| middle(a, at_first).distance(middle(b, at_second)) < 1.2;
+    // The flat is known here, so what lies on the same wall is matched.
+    let near = |a: &Polyline, b: &Polyline| {
+        let (a, b) = (a.transformed(at_first), b.transformed(at_second));
+        let middles = b.sides().map(|side| side.at(0.5));
+        middles
+            .filter(|p| a.sides().any(|side| side.distance(*p) < 0.1))
+            .count()
+            > 0
+    };
     let all = (0..first.len()).flat_map(|a| (0..second.len()).map(move |b| (a, b)));
     let pairs: Vec<(usize, usize)> = all.filter(|(a, b)| near(&first[*a], &second[*b])).collect();
     correspondence(&first, &second, &pairs, apart)

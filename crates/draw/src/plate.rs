@@ -90,8 +90,13 @@ pub(crate) struct Text {
 
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Item {
-    /// Open lines drawn with one pen.
+    /// Open lines drawn with one pen, each a thing of its own.
     Lines {
+        lines: Vec<Vec<Px>>,
+        pen: Pen,
+    },
+    /// Open lines that are one thing: a grid, a hatching.
+    Raster {
         lines: Vec<Vec<Px>>,
         pen: Pen,
     },

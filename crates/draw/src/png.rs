@@ -95,7 +95,7 @@ impl Canvas {
 
     fn item(&mut self, item: &Item) {
         match item {
-            Item::Lines { lines, pen } => {
+            Item::Lines { lines, pen } | Item::Raster { lines, pen } => {
                 let mut path = PathBuilder::new();
                 for line in lines {
                     trace(line, &mut path);

@@ -93,6 +93,13 @@ impl Svg {
     fn item(&mut self, item: &Item) {
         match item {
             Item::Lines { lines, pen } => self.lines(lines, pen),
+            Item::Raster { lines, pen } => {
+                let paths: String = lines.iter().map(|line| path(line, false)).collect();
+                self.line(&format!(
+                    "<path d=\"{paths}\" fill=\"none\"{}/>",
+                    pen_of(Some(pen))
+                ));
+            }
             Item::Area { corners, fill, pen } => {
                 let path = path(corners, true);
                 self.line(&format!(

@@ -37,7 +37,7 @@ pub fn vertex_rule(input: &VertexRule) -> Scene {
         .with_legend(Sample::Line(SCAN), "L2: aligned scan")
         .with_legend(Sample::Line(JOIN), "closest point")
         .with_legend(
-            Sample::Circle(9.0, None, Some(Stroke::new(palette::VERMILION, 4.0))),
+            Sample::Circle(11.0, None, Some(Stroke::new(palette::VERMILION, 4.0))),
             "new vertex of the map",
         );
     Scene::of(panel).with_caption(caption(input))
@@ -77,12 +77,12 @@ fn points(input: &VertexRule) -> Layer {
         (s2, palette::BLUE),
         (sv, palette::BLUE),
     ] {
-        layer.marker(at, 6.5, colour, Stroke::new(palette::WHITE, 1.5));
+        layer.marker(at, 8.0, colour, Stroke::new(palette::WHITE, 1.5));
     }
-    layer.marker(v, 6.5, palette::WHITE, Stroke::new(palette::INK, 3.0));
+    layer.marker(v, 8.0, palette::WHITE, Stroke::new(palette::INK, 3.0));
     layer.marks.push(Mark::Circle {
         centre: input.new_point,
-        radius: crate::scene::Radius::Px(9.0),
+        radius: crate::scene::Radius::Px(11.0),
         fill: None,
         stroke: Some(Stroke::new(palette::VERMILION, 4.0)),
     });

@@ -43,7 +43,7 @@ pub(super) fn grid(step_m: f64, view: &View, unit: f64) -> Item {
         .chain(level)
         .filter(|line| line.iter().all(|p| p.is_finite()))
         .collect();
-    Item::Lines {
+    Item::Raster {
         lines,
         pen: hairline(palette::GRID, 1.6 * unit),
     }

@@ -304,7 +304,7 @@ fn hatching(area: PxBox, stroke: Stroke, unit: f64) -> Item {
         butt: true,
         ..pen_of(&stroke, unit)
     };
-    Item::Lines {
+    Item::Raster {
         lines: lines.collect(),
         pen,
     }

@@ -14,7 +14,7 @@ use crate::scene::{Face, Layer, Panel, ScaleRule, Scene};
 /// Sizes in px of a page of [`Scene::PAGE_PX`].
 const MARGIN: f64 = 44.0;
 const GAP: f64 = 44.0;
-const TEXT: f64 = 27.0;
+const TEXT: f64 = 30.0;
 const TITLE: f64 = 38.0;
 const LINE: f64 = 1.38;
 const LEAST_PAGE_WIDTH: f64 = 1040.0;
@@ -318,11 +318,19 @@ impl<'a> Page<'a> {
         });
         let origin = view.map_or(Point::default(), |v| v.origin());
         PlatePanel {
-            name: format!("{} {}", letter(k), panel.title).trim_end().to_owned(),
+            name: self.name(k, panel),
             metres_per_px: view.map_or(0.0, |v| v.metres_per_px),
             x0_m: origin.x,
             y0_m: origin.y,
             layers,
+        }
+    }
+
+    fn name(&self, k: usize, panel: &Panel) -> String {
+        match (self.scene.panels.len(), panel.title.as_str()) {
+            (1, "") => "plot".to_owned(),
+            (1, title) => title.to_owned(),
+            (_, title) => format!("{} {title}", letter(k)),
         }
     }
 
@@ -340,7 +348,7 @@ impl<'a> Page<'a> {
             name: layer.name.clone(),
             items: marks.layer(layer),
         }));
-        let mut labels = |layer: &Layer| marks.labels(layer, self.text_size());
+        let mut labels = |layer: &Layer| marks.labels(layer, 1.1 * self.text_size());
         let labels: Vec<Item> = panel.layers.iter().flat_map(&mut labels).collect();
         if !labels.is_empty() {
             layers.push(PlateLayer {
