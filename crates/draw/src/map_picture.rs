@@ -160,7 +160,7 @@ fn caption(map: &Map, trajectory: &[TrajectoryPoint], shown: Option<Bounds>) -> 
     if !trajectory.is_empty() {
         let placed = trajectory.iter().filter(|t| t.placed).count();
         let share = if placed == trajectory.len() {
-            "all".to_owned()
+            "All".to_owned()
         } else {
             format!("{} of", count(placed))
         };

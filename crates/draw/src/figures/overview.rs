@@ -86,7 +86,7 @@ fn caption(input: &Overview<'_>) -> String {
     }
     let said: String = said
         .iter()
-        .map(|(letters, what)| format!("{letters} {what}; "))
+        .map(|(letters, what)| format!("{letters}: {what}; "))
         .collect();
     let vertices: usize = input.map.polylines.iter().map(|p| p.vertices.len()).sum();
     let most = overlays
@@ -102,7 +102,7 @@ fn caption(input: &Overview<'_>) -> String {
     } else {
         String::new()
     };
-    format!("{said}(d) {}{ratio}", map_numbers(input.map))
+    format!("{said}(d): {}{ratio}", map_numbers(input.map))
 }
 
 fn points(overlay: &Overlay) -> usize {

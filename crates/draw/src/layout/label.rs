@@ -1,6 +1,6 @@
 //! Places for labels: near what they name, off other labels, and off lines where there is room.
 //!
-//! Greedy, in the order given: of 16 directions and four distances the cheapest place is taken. Covering
+//! Greedy, in the order given: of 16 directions and six distances the cheapest place is taken. Covering
 //! another label costs most, then leaving the plot, then covering lines, then distance and turning away from
 //! the wanted side. A label that had to move away gets a thin leader.
 
@@ -9,7 +9,7 @@ use crate::font::{self, SUBSCRIPT_DROP};
 use crate::plate::{Anchor, Item, Pen, Px, PxBox, Text};
 use crate::scene::Label;
 
-const DISTANCES: [f64; 4] = [9.0, 20.0, 38.0, 62.0];
+const DISTANCES: [f64; 6] = [9.0, 15.0, 22.0, 32.0, 46.0, 66.0];
 const DIRECTIONS: u32 = 16;
 /// Spacing of the samples that stand for lines, px.
 const SAMPLE_PX: f64 = 5.0;
@@ -95,7 +95,7 @@ pub(super) fn place(label: &Label, at: Px, size: f64, frame: PxBox, obstacles: &
     };
     obstacles.taken.push(place);
     let mut items = Vec::new();
-    if distance > 25.0 * unit {
+    if distance > 30.0 * unit {
         items.push(leader(at, place, unit));
     }
     items.push(Item::Text(Text {
@@ -118,7 +118,7 @@ fn cost_of(place: PxBox, frame: PxBox, obstacles: &Obstacles) -> f64 {
     let covered: f64 = obstacles.taken.iter().map(|t| t.overlap(roomy)).sum();
     let crossed = obstacles.samples.iter().filter(|p| roomy.contains(**p)).count() as f64;
     let outside = 1.0 - place.overlap(frame) / area;
-    12.0 * covered / area + 20.0 * outside + 1.6 * crossed * SAMPLE_PX / (place.width + place.height).max(1.0)
+    12.0 * covered / area + 20.0 * outside + 3.0 * crossed * SAMPLE_PX / (place.width + place.height).max(1.0)
 }
 
 fn leader(at: Px, place: PxBox, unit: f64) -> Item {

@@ -78,12 +78,12 @@ pub struct Image {
 }
 
 pub fn drawn(scene: &Scene) -> Image {
-    let bytes = to_png(scene).unwrap();
+    let bytes = to_png(scene).expect("a picture");
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
         .read_info()
-        .unwrap();
-    let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
-    let info = reader.next_frame(&mut rgb).unwrap();
+        .expect("a PNG header");
+    let mut rgb = vec![0; reader.output_buffer_size().expect("a size that fits")];
+    let info = reader.next_frame(&mut rgb).expect("pixels");
     assert_eq!(info.color_type, png::ColorType::Rgb);
     Image {
         width: info.width,
@@ -102,8 +102,15 @@ pub fn ink_at(image: &Image, (x, y): (f64, f64)) -> u8 {
 pub fn pixel_of(scene: &Scene, (x_m, y_m): (f64, f64)) -> (f64, f64) {
     let svg = to_svg(scene);
     let value = |name: &str| -> f64 {
-        let after = svg.split(&format!("data-{name}=\"")).nth(1).unwrap();
-        after.split('"').next().unwrap().parse().unwrap()
+        let after = svg
+            .split(&format!("data-{name}=\""))
+            .nth(1)
+            .expect("a panel with a scale");
+        after
+            .split('"')
+            .next()
+            .and_then(|v| v.parse().ok())
+            .expect("a number")
     };
     let metres_per_px = value("metres-per-px");
     (
