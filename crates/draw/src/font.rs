@@ -146,7 +146,7 @@ mod tests {
     fn the_letters_of_captions_are_in_every_face() {
         for face in [Face::Regular, Face::Bold, Face::Italic] {
             let ttf = ttf(face).unwrap();
-            for letter in "azAZ09 .,;:()[]/%–—·×²°θσäß…\u{2009}".chars() {
+            for letter in "azAZ09 .,;:()[]/%–—·×²°θσäß…\u{2009}\u{a0}".chars() {
                 assert!(ttf.glyph_index(letter).is_some(), "{letter:?} is not in {face:?}");
             }
         }

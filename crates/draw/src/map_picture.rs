@@ -216,8 +216,8 @@ fn way_length_m(trajectory: &[TrajectoryPoint]) -> f64 {
 /// A length in metres with three digits or so.
 fn long_length(length_m: f64) -> String {
     match length_m {
-        l if (100.0..1e15).contains(&l) => format!("{} m", count(l.round() as usize)),
-        l if l >= 1.0 => format!("{l:.1} m"),
+        l if (100.0..1e15).contains(&l) => format!("{}\u{a0}m", count(l.round() as usize)),
+        l if l >= 1.0 => format!("{l:.1}\u{a0}m"),
         l => spoken(l),
     }
 }

@@ -26,17 +26,17 @@ pub(crate) fn at_least_m(limit_m: f64) -> f64 {
         .unwrap_or(10.0 * below)
 }
 
-/// A length as a reader says it: "20 m", "0.5 m", "5 cm", "2 mm", "1 km".
+/// A length as a reader says it: "20 m", "0.5 m", "5 cm", "2 mm", "1 km"; the space does not break.
 pub(crate) fn spoken(length_m: f64) -> String {
     let tidy = |value: f64| {
         let text = format!("{value:.3}");
         text.trim_end_matches('0').trim_end_matches('.').to_owned()
     };
     match length_m {
-        l if l >= 1000.0 => format!("{} km", tidy(l / 1000.0)),
-        l if l >= 0.5 => format!("{} m", tidy(l)),
-        l if l >= 0.01 => format!("{} cm", tidy(l * 100.0)),
-        l => format!("{} mm", tidy(l * 1000.0)),
+        l if l >= 1000.0 => format!("{}\u{a0}km", tidy(l / 1000.0)),
+        l if l >= 0.5 => format!("{}\u{a0}m", tidy(l)),
+        l if l >= 0.01 => format!("{}\u{a0}cm", tidy(l * 100.0)),
+        l => format!("{}\u{a0}mm", tidy(l * 1000.0)),
     }
 }
 
@@ -94,7 +94,10 @@ mod tests {
     #[test]
     fn lengths_are_spoken_in_a_fitting_unit() {
         let said: Vec<String> = [2000.0, 20.0, 0.5, 0.05, 0.002].map(spoken).into();
-        assert_eq!(said, ["2 km", "20 m", "0.5 m", "5 cm", "2 mm"]);
+        assert_eq!(
+            said.join(", ").replace('\u{a0}', " "),
+            "2 km, 20 m, 0.5 m, 5 cm, 2 mm"
+        );
     }
 
     #[test]

@@ -3,11 +3,12 @@
 //! Panels and layers are groups that Inkscape shows as layers. The drawing is in pixels, y down; each panel's
 //! group says how to get back to metres: `x_m = data-x0-m + x · data-metres-per-px` and
 //! `y_m = data-y0-m − y · data-metres-per-px`. Paths are written as moves between hundredths of a pixel, so that
-//! rounding does not add up along a line. The same scene gives the same bytes.
+//! rounding does not add up along a line. Every text carries its length, because a viewer without the font takes
+//! another, which may be wider than the page has room for. The same scene gives the same bytes.
 
 use std::fmt::Write as _;
 
-use crate::font::{SUBSCRIPT_DROP, SUBSCRIPT_SIZE};
+use crate::font::{self, SUBSCRIPT_DROP, SUBSCRIPT_SIZE};
 use crate::layout;
 use crate::plate::{Anchor, Ink, Item, Pen, Plate, PlateLayer, PlatePanel, Px, Text};
 use crate::scene::{Face, Scene};
@@ -169,6 +170,14 @@ impl Svg {
             let _ = write!(
                 style,
                 " stroke=\"#ffffff\" stroke-width=\"{width}\" paint-order=\"stroke\""
+            );
+        }
+        let length = text.size * font::width_with_subscript(&text.text, &text.subscript, text.face);
+        if length > 0.0 {
+            let _ = write!(
+                style,
+                " textLength=\"{}\" lengthAdjust=\"spacingAndGlyphs\"",
+                number(length)
             );
         }
         let mut body = escaped(&text.text);

@@ -57,7 +57,13 @@ fn caption(points: &[Point], stages: &[Stage]) -> String {
     );
     let chain: String = stages
         .iter()
-        .map(|stage| format!(", {}: {}", stage.title, counted(vertices(stage), "vertex")))
+        .map(|stage| {
+            format!(
+                ", {}: {}",
+                stage.title.replace(' ', "\u{a0}"),
+                counted(vertices(stage), "vertex")
+            )
+        })
         .collect();
     let length_m = |stage: &Stage| stage.polylines.iter().map(Polyline::length_m).sum::<f64>();
     let kept = match (stages.first(), stages.last()) {

@@ -180,7 +180,7 @@ fn caption(input: &VertexRule) -> String {
     let apart = |a: Point, b: Point| {
         let mm = 1000.0 * a.distance(b);
         if mm < 100.0 {
-            format!("{mm:.1} mm")
+            format!("{mm:.1}\u{a0}mm")
         } else {
             spoken((mm / 10.0).round() / 100.0)
         }
