@@ -3,7 +3,7 @@
 //! Panels and layers are groups that Inkscape shows as layers. The drawing is in pixels, y down; each panel's
 //! group says how to get back to metres: `x_m = data-x0-m + x · data-metres-per-px` and
 //! `y_m = data-y0-m − y · data-metres-per-px`. Paths are written as moves between hundredths of a pixel, so that
-//! rounding does not add up along a line. Every text carries its length, because a viewer without the font takes
+//! rounding does not add up along a line. Titles, captions and legends carry their length, because a viewer without the font takes
 //! another, which may be wider than the page has room for. The same scene gives the same bytes.
 
 use std::fmt::Write as _;
@@ -172,8 +172,9 @@ impl Svg {
                 " stroke=\"#ffffff\" stroke-width=\"{width}\" paint-order=\"stroke\""
             );
         }
-        let length = text.size * font::width_with_subscript(&text.text, &text.subscript, text.face);
-        if length > 0.0 {
+        // Labels stand free and are short; viewers disagree about the length of text with a subscript.
+        let length = text.size * font::width(&text.text, text.face);
+        if length > 0.0 && !text.halo {
             let _ = write!(
                 style,
                 " textLength=\"{}\" lengthAdjust=\"spacingAndGlyphs\"",
