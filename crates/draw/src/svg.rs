@@ -3,8 +3,9 @@
 //! Panels and layers are groups that Inkscape shows as layers. The drawing is in pixels, y down; each panel's
 //! group says how to get back to metres: `x_m = data-x0-m + x · data-metres-per-px` and
 //! `y_m = data-y0-m − y · data-metres-per-px`. Paths are written as moves between hundredths of a pixel, so that
-//! rounding does not add up along a line. Titles, captions and legends carry their length, because a viewer without the font takes
-//! another, which may be wider than the page has room for. The same scene gives the same bytes.
+//! rounding does not add up along a line. Titles, captions and legends carry their length, because a viewer
+//! without the font takes another, which may be wider than the page has room for. The same scene gives the same
+//! bytes.
 
 use std::fmt::Write as _;
 
