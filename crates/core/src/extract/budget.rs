@@ -5,10 +5,12 @@
 //! 2. [`Plan`] chooses the best vertices among them for the whole scan at once.
 //! 3. [`Refine`] moves the vertices.
 
+use super::ends::draw_out;
 use super::evolve::{Stop, evolve_by};
 use super::fit::Sums;
+use super::front::Front;
 use super::group::Groups;
-use super::plan::{Chains, Plan};
+use super::plan::{Chain, Plan};
 use super::refine::Refine;
 use super::{Extraction, ScanPolyline};
 use crate::geometry::{Point, Polyline};
@@ -25,7 +27,7 @@ const CROSSED_M: f64 = 0.5;
 const DROPOUT_SHARE: f64 = 0.05;
 
 /// Candidates for vertices: so many, and so many times the budget.
-const CANDIDATES: (usize, usize) = (400, 1);
+const CANDIDATES: (usize, usize) = (40, 2);
 
 /// Polylines with at most `vertices` vertices together.
 pub(super) fn extract(groups: Groups, geometry: &ScanGeometry, noise_m: f64, vertices: usize) -> Extraction {
@@ -35,16 +37,16 @@ pub(super) fn extract(groups: Groups, geometry: &ScanGeometry, noise_m: f64, ver
         ..Extraction::default()
     };
     let work = Work::new(groups, geometry);
-    let mut used = 0;
+    let mut explained = vec![false; out.returns];
     for (polyline, first, last) in work.polylines(vertices) {
-        used += last + 1 - first;
+        explained[first..=last].fill(true);
         out.polylines.push(ScanPolyline {
             polyline,
             first_beam: work.groups.beams[first],
             last_beam: work.groups.beams[last],
         });
     }
-    out.returns_unused = out.returns - used;
+    out.returns_unused = explained.iter().filter(|&&e| !e).count();
     out
 }
 
@@ -52,6 +54,8 @@ pub(super) fn extract(groups: Groups, geometry: &ScanGeometry, noise_m: f64, ver
 struct Work {
     groups: Groups,
     sums: Sums,
+    front: Front,
+    step_rad: f64,
     bearings_rad: Vec<f64>,
     crossing_m2: Vec<f64>,
 }
@@ -59,22 +63,30 @@ struct Work {
 impl Work {
     fn new(groups: Groups, geometry: &ScanGeometry) -> Self {
         let sums = Sums::new(groups.points.iter().map(|&p| (p, p.dot(p))));
+        let front = Front::new(&groups.points, &sums);
         let beams = &groups.beams;
         let mut bearings_rad: Vec<f64> = Vec::with_capacity(beams.len());
         let mut crossing_m2 = vec![0.0; beams.len()];
         for &beam in beams {
-            let turn = if beam < beams[0] { std::f64::consts::TAU } else { 0.0 };
+            let turn = if beam < beams[0] {
+                std::f64::consts::TAU
+            } else {
+                0.0
+            };
             bearings_rad.push(geometry.bearing_rad(beam) + turn);
         }
-        let missing = |k: usize| ((bearings_rad[k] - bearings_rad[k - 1]) / geometry.step_rad()).round() - 1.0;
+        let missing =
+            |k: usize| ((bearings_rad[k] - bearings_rad[k - 1]) / geometry.step_rad()).round() - 1.0;
         let holes = (1..beams.len()).filter(|&k| missing(k) > 0.5).count();
         let meaning = (1.0 - holes as f64 / (DROPOUT_SHARE * geometry.beams() as f64)).max(0.0);
         for k in 1..beams.len() {
             crossing_m2[k] = crossing_m2[k - 1] + missing(k) * meaning * CROSSED_M * CROSSED_M;
         }
         Self {
+            step_rad: geometry.step_rad(),
             groups,
             sums,
+            front,
             bearings_rad,
             crossing_m2,
         }
@@ -90,34 +102,70 @@ impl Work {
         let plan = Plan {
             points,
             sums: &self.sums,
+            front: &self.front,
             bearings_rad: &self.bearings_rad,
             candidates: &candidates,
             unused_m2: UNUSED_M * UNUSED_M,
             crossing_m2: &self.crossing_m2,
         };
-        self.finish(plan.solve(vertices))
+        self.finish(&plan.solve(vertices))
     }
 
     /// The returns whose removal as vertices would cost most.
     fn candidates(&self, count: usize) -> Vec<usize> {
         let points = &self.groups.points;
         let cost = |a: usize, b: usize| self.sums.chord_cost(points[a], points[b], &(a + 1..b));
-        evolve_by(points.len(), Stop::AtVertices(count), |u, v, w| cost(u, w) - cost(u, v) - cost(v, w))
+        evolve_by(points.len(), Stop::AtVertices(count), |u, v, w| {
+            cost(u, w) - cost(u, v) - cost(v, w)
+        })
     }
 
-    fn finish(&self, chains: Chains) -> Vec<(Polyline, usize, usize)> {
-        let points = &self.groups.points;
+    /// Refined polylines of the chains and of the things in front of them.
+    fn finish(&self, chains: &[Chain]) -> Vec<(Polyline, usize, usize)> {
         let mut out = Vec::new();
         for chain in chains {
-            let (Some(&first), Some(&last)) = (chain.first(), chain.last()) else { continue };
-            let vertices: Vec<Point> = chain.iter().map(|&k| points[k]).collect();
+            out.extend(self.polyline(chain));
+            for &thing in &chain.things {
+                let thing = &self.front.things[thing];
+                out.extend(self.thing(thing.start, thing.end - 1));
+            }
+        }
+        out.sort_by_key(|&(_, first, _)| first);
+        out
+    }
+
+    fn polyline(&self, chain: &Chain) -> Option<(Polyline, usize, usize)> {
+        let points = &self.groups.points;
+        let (&first, &last) = (chain.vertices.first()?, chain.vertices.last()?);
+        let mut hidden = vec![false; last + 1 - first];
+        for &thing in &chain.things {
+            let thing = &self.front.things[thing];
+            hidden[thing.start - first..thing.end - first].fill(true);
+        }
+        let seen: Vec<Point> = (first..=last)
+            .filter(|k| !hidden[k - first])
+            .map(|k| points[k])
+            .collect();
+        let refine = Refine { points: &seen };
+        let mut vertices = refine.run(chain.vertices.iter().map(|&k| points[k]).collect());
+        draw_out(&mut vertices, self.step_rad);
+        Some((Polyline::new(vertices).ok()?, first, last))
+    }
+
+    /// One side through a thing in front; a thing of one return is drawn as wide as its beam.
+    fn thing(&self, first: usize, last: usize) -> Option<(Polyline, usize, usize)> {
+        let points = &self.groups.points;
+        let vertices = if first == last {
+            let half_m = points[first].left() * (0.45 * self.step_rad);
+            vec![points[first] - half_m, points[first] + half_m]
+        } else {
             let refine = Refine {
                 points: &points[first..=last],
             };
-            if let Ok(polyline) = Polyline::new(refine.run(vertices)) {
-                out.push((polyline, first, last));
-            }
-        }
-        out
+            let mut vertices = refine.run(vec![points[first], points[last]]);
+            draw_out(&mut vertices, self.step_rad);
+            vertices
+        };
+        Some((Polyline::new(vertices).ok()?, first, last))
     }
 }

@@ -12,8 +12,10 @@
 mod budget;
 mod chain;
 mod divide;
+mod ends;
 mod evolve;
 mod fit;
+mod front;
 mod group;
 mod noise;
 mod plan;
@@ -87,7 +89,12 @@ impl Extraction {
 pub fn extract(scan: &Scan, settings: &ExtractSettings) -> Extraction {
     let noise_m = noise_m(scan, settings);
     let groups = group::group(scan, &settings.grouping, noise_m);
-    sides::extract(&groups, noise_m, settings.side_penalty)
+    sides::extract(
+        &groups,
+        scan.geometry().step_rad(),
+        noise_m,
+        settings.side_penalty,
+    )
 }
 
 /// The polylines of a scan with at most `vertices` vertices all together.

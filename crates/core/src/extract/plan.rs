@@ -13,10 +13,17 @@
 //! scans", IROS 2018, are, until their final optimisation). Only the parabola with the lowest minimum is kept.
 
 use super::fit::{Side, Sums};
+use super::front::Front;
 use crate::geometry::Point;
 
-/// Chains of positions into the list of returns; neighbours in a chain are joined by a side.
-pub(super) type Chains = Vec<Vec<usize>>;
+/// A chain of positions in the list of returns; neighbours are joined by a side.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Chain {
+    /// Where the vertices are.
+    pub(super) vertices: Vec<usize>,
+    /// Things in front of its sides (positions in [`Front::things`]): they have chains of their own.
+    pub(super) things: Vec<usize>,
+}
 
 /// Widest side, radians: a straight side spans less than half a turn.
 const WIDEST_SIDE_RAD: f64 = 2.8;
@@ -31,6 +38,8 @@ pub(super) struct Plan<'a> {
     pub(super) bearings_rad: &'a [f64],
     /// Positions that may carry a vertex, rising.
     pub(super) candidates: &'a [usize],
+    /// Things in front of others.
+    pub(super) front: &'a Front,
     /// Cost of a return in no chain, m².
     pub(super) unused_m2: f64,
     /// Cost of a side that crosses from return k−1 to k, summed from the start of the list, m².
@@ -57,19 +66,22 @@ struct Vertex {
     /// Ends a side; comes from this candidate.
     ended: Parabola,
     from: usize,
+    /// Things in front of that side, each with two vertices of its own.
+    things: usize,
     /// Begins a chain.
     begun_least: f64,
 }
 
 impl Plan<'_> {
     /// The best chains with at most `budget` vertices.
-    pub(super) fn solve(&self, budget: usize) -> Chains {
+    pub(super) fn solve(&self, budget: usize) -> Vec<Chain> {
         let m = self.candidates.len();
         let width = budget + 1;
         let mut vertices = vec![
             Vertex {
                 ended: NEVER,
                 from: 0,
+                things: 0,
                 begun_least: f64::INFINITY,
             };
             m * width
@@ -108,28 +120,21 @@ impl Plan<'_> {
             if self.bearings_rad[t] - self.bearings_rad[s] > WIDEST_SIDE_RAD {
                 break;
             }
-            let Some(side) = self.side(s, t) else { continue };
-            let first_bend = self.own_bend(s);
-            let first_at = 1.0 / self.points[s].norm();
-            for v in 1..width - 1 {
-                let vertex = &earlier[j * width + v];
-                let start = if vertex.begun_least < vertex.ended.least {
-                    Parabola {
-                        least: vertex.begun_least,
-                        at: first_at,
-                        bend: first_bend,
+            let first = (1.0 / self.points[s].norm(), self.own_bend(s));
+            for (side, things) in [self.side(s, t), self.side_behind(s, t)].into_iter().flatten() {
+                let spent = 1 + 2 * things;
+                for v in 1..width.saturating_sub(spent) {
+                    let start = earlier[j * width + v].start(first.0, first.1);
+                    let so_far = &mut here[v + spent];
+                    if start.least + side.least >= so_far.ended.least {
+                        continue;
                     }
-                } else {
-                    vertex.ended
-                };
-                let so_far = &mut here[v + 1];
-                if start.least + side.least >= so_far.ended.least {
-                    continue;
-                }
-                let ended = through(start, first_at, &side, own_at, own_bend);
-                if ended.least < so_far.ended.least {
-                    so_far.ended = ended;
-                    so_far.from = j;
+                    let ended = through(start, first.0, &side, own_at, own_bend);
+                    if ended.least < so_far.ended.least {
+                        so_far.ended = ended;
+                        so_far.from = j;
+                        so_far.things = things;
+                    }
                 }
             }
         }
@@ -142,26 +147,37 @@ impl Plan<'_> {
     }
 
     /// The side between returns s and t, unless leaving its returns out is cheaper.
-    fn side(&self, s: usize, t: usize) -> Option<Side> {
-        let crossing_m2 = self.crossing_m2[t] - self.crossing_m2[s];
+    fn side(&self, s: usize, t: usize) -> Option<(Side, usize)> {
+        self.side_over(self.sums, s, t, 0.0).map(|side| (side, 0))
+    }
+
+    /// The same side behind all things between s and t, with their number.
+    fn side_behind(&self, s: usize, t: usize) -> Option<(Side, usize)> {
+        let (things, cost_m2) = self.front.between(s, t)?;
+        let side = self.side_over(&self.front.behind, s, t, cost_m2)?;
+        Some((side, things.len()))
+    }
+
+    fn side_over(&self, sums: &Sums, s: usize, t: usize, extra_m2: f64) -> Option<Side> {
         let inner = s + 1..t;
-        let limit = self.unused_m2 * inner.len() as f64;
-        if crossing_m2 > limit || self.sums.range_cost(&inner) + crossing_m2 > limit {
+        let extra_m2 = extra_m2 + self.crossing_m2[t] - self.crossing_m2[s];
+        let least = sums.range_cost(&inner) + extra_m2;
+        if least > self.unused_m2 * inner.len() as f64 {
             return None;
         }
-        let mut side = self.sums.side(self.points[s], self.points[t], &inner)?;
-        side.at_returns += crossing_m2;
-        side.least = self.sums.range_cost(&inner) + crossing_m2;
+        let mut side = sums.side(self.points[s], self.points[t], &inner)?;
+        side.at_returns += extra_m2;
+        side.least = least;
         Some(side)
     }
 
     /// The chains of the least total cost.
-    fn trace(&self, vertices: &[Vertex], closed: &[f64], width: usize) -> Chains {
+    fn trace(&self, vertices: &[Vertex], closed: &[f64], width: usize) -> Vec<Chain> {
         let m = self.candidates.len();
         let mut v = (0..width)
             .min_by(|&a, &b| closed[m * width + a].total_cmp(&closed[m * width + b]))
             .unwrap_or(0);
-        let mut chains = Chains::new();
+        let mut chains = Vec::new();
         let mut k = m;
         while k > 0 {
             if closed[k * width + v] < vertices[(k - 1) * width + v].ended.least {
@@ -169,23 +185,53 @@ impl Plan<'_> {
                 continue;
             }
             let mut at = k - 1;
-            let mut chain = vec![self.candidates[at]];
+            let mut chain = Chain::default();
+            chain.vertices.push(self.candidates[at]);
             loop {
-                at = vertices[at * width + v].from;
-                v -= 1;
-                chain.push(self.candidates[at]);
                 let vertex = &vertices[at * width + v];
-                if vertex.begun_least < vertex.ended.least {
+                let (s, t) = (self.candidates[vertex.from], self.candidates[at]);
+                if vertex.things > 0 {
+                    chain.things.extend(
+                        self.front
+                            .between(s, t)
+                            .into_iter()
+                            .flat_map(|(things, _)| things),
+                    );
+                }
+                v -= 1 + 2 * vertex.things;
+                at = vertex.from;
+                chain.vertices.push(s);
+                if vertices[at * width + v].begins() {
                     break;
                 }
             }
             v -= 1;
             k = at;
-            chain.reverse();
+            chain.vertices.reverse();
             chains.push(chain);
         }
         chains.reverse();
         chains
+    }
+}
+
+impl Vertex {
+    /// Whether beginning a chain here is cheaper than ending a side here.
+    fn begins(&self) -> bool {
+        self.begun_least < self.ended.least
+    }
+
+    /// What a further side starts from; `at` and `bend` of the vertex's own residual.
+    fn start(&self, at: f64, bend: f64) -> Parabola {
+        if self.begins() {
+            Parabola {
+                least: self.begun_least,
+                at,
+                bend,
+            }
+        } else {
+            self.ended
+        }
     }
 }
 

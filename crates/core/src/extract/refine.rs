@@ -144,7 +144,10 @@ impl Equations {
             let mut g = sides[v];
             if v + 1 < count {
                 let b = self.next_of(v, vertices);
-                g = g - Point::new(b[0][0] * last.x + b[0][1] * last.y, b[1][0] * last.x + b[1][1] * last.y);
+                g = g - Point::new(
+                    b[0][0] * last.x + b[0][1] * last.y,
+                    b[1][0] * last.x + b[1][1] * last.y,
+                );
                 if v == 0 {
                     (_, g) = on_ray(pivots[v], g, vertices[v]);
                 }
@@ -170,7 +173,10 @@ impl Equations {
             && let Some(e) = vertices[count - 1].unit()
         {
             let column = [m[0][0] * e.x + m[0][1] * e.y, m[1][0] * e.x + m[1][1] * e.y];
-            m = [[column[0] * e.x, column[0] * e.y], [column[1] * e.x, column[1] * e.y]];
+            m = [
+                [column[0] * e.x, column[0] * e.y],
+                [column[1] * e.x, column[1] * e.y],
+            ];
         }
         m
     }
