@@ -21,7 +21,7 @@ use crate::scan::ScanGeometry;
 const UNUSED_M: f64 = 0.35;
 
 /// A beam without a return that a side crosses counts like a residual of this many metres: there is free space or glass.
-const CROSSED_M: f64 = 0.5;
+const CROSSED_M: f64 = 0.7;
 
 /// With this many holes per beam the scanner loses beams at random, and they mean nothing.
 const DROPOUT_SHARE: f64 = 0.05;
@@ -58,6 +58,7 @@ struct Work {
     step_rad: f64,
     bearings_rad: Vec<f64>,
     crossing_m2: Vec<f64>,
+    breaks: Vec<bool>,
 }
 
 impl Work {
@@ -75,6 +76,10 @@ impl Work {
             };
             bearings_rad.push(geometry.bearing_rad(beam) + turn);
         }
+        let mut breaks = vec![false; beams.len()];
+        for group in &groups.groups {
+            breaks[group.start] = true;
+        }
         let missing =
             |k: usize| ((bearings_rad[k] - bearings_rad[k - 1]) / geometry.step_rad()).round() - 1.0;
         let holes = (1..beams.len()).filter(|&k| missing(k) > 0.5).count();
@@ -89,6 +94,7 @@ impl Work {
             front,
             bearings_rad,
             crossing_m2,
+            breaks,
         }
     }
 
@@ -105,19 +111,30 @@ impl Work {
             front: &self.front,
             bearings_rad: &self.bearings_rad,
             candidates: &candidates,
+            breaks: &self.breaks,
             unused_m2: UNUSED_M * UNUSED_M,
             crossing_m2: &self.crossing_m2,
         };
         self.finish(&plan.solve(vertices))
     }
 
-    /// The returns whose removal as vertices would cost most.
+    /// The returns whose removal as vertices would cost most; those beside a hole that means something always stay.
     fn candidates(&self, count: usize) -> Vec<usize> {
         let points = &self.groups.points;
         let cost = |a: usize, b: usize| self.sums.chord_cost(points[a], points[b], &(a + 1..b));
-        evolve_by(points.len(), Stop::AtVertices(count), |u, v, w| {
+        let kept = evolve_by(points.len(), Stop::AtVertices(count), |u, v, w| {
             cost(u, w) - cost(u, v) - cost(v, w)
-        })
+        });
+        let mut candidate = vec![false; points.len()];
+        for k in kept {
+            candidate[k] = true;
+        }
+        for k in 1..points.len() {
+            let hole = self.crossing_m2[k] > self.crossing_m2[k - 1];
+            candidate[k - 1] |= hole;
+            candidate[k] |= hole;
+        }
+        (0..points.len()).filter(|&k| candidate[k]).collect()
     }
 
     /// Refined polylines of the chains and of the things in front of them.

@@ -40,6 +40,8 @@ pub(super) struct Plan<'a> {
     pub(super) candidates: &'a [usize],
     /// Things in front of others.
     pub(super) front: &'a Front,
+    /// Whether a group begins at a return: no side joins it with the return before.
+    pub(super) breaks: &'a [bool],
     /// Cost of a return in no chain, m².
     pub(super) unused_m2: f64,
     /// Cost of a side that crosses from return k−1 to k, summed from the start of the list, m².
@@ -54,22 +56,41 @@ struct Parabola {
     bend: f64,
 }
 
-const NEVER: Parabola = Parabola {
-    least: f64::INFINITY,
-    at: 0.0,
-    bend: 1.0,
-};
+/// What is known of the vertices at all candidates, for every number of vertices so far: row = candidate, column = number.
+/// Kept as separate lists, because the inner loop mostly looks at `start_least` and goes on.
+struct Table {
+    width: usize,
+    /// A side ends here: least cost.
+    ended: Vec<Parabola>,
+    /// Where that side begins (candidate), and the things in front of it, each with two vertices of its own.
+    from: Vec<(u16, u16)>,
+    /// A chain begins here: least cost.
+    begun_least: Vec<f64>,
+    /// The lower of both.
+    start_least: Vec<f64>,
+}
 
-/// What is known of a vertex at a candidate, for one number of vertices.
-#[derive(Clone, Copy, Debug)]
-struct Vertex {
-    /// Ends a side; comes from this candidate.
-    ended: Parabola,
-    from: usize,
-    /// Things in front of that side, each with two vertices of its own.
-    things: usize,
-    /// Begins a chain.
-    begun_least: f64,
+impl Table {
+    fn new(candidates: usize, width: usize) -> Self {
+        let size = candidates * width;
+        let never = Parabola {
+            least: f64::INFINITY,
+            at: 0.0,
+            bend: 1.0,
+        };
+        Self {
+            width,
+            ended: vec![never; size],
+            from: vec![(0, 0); size],
+            begun_least: vec![f64::INFINITY; size],
+            start_least: vec![f64::INFINITY; size],
+        }
+    }
+
+    /// Whether beginning a chain is cheaper than ending a side, at a cell.
+    fn begins(&self, cell: usize) -> bool {
+        self.begun_least[cell] < self.ended[cell].least
+    }
 }
 
 impl Plan<'_> {
@@ -77,30 +98,25 @@ impl Plan<'_> {
     pub(super) fn solve(&self, budget: usize) -> Vec<Chain> {
         let m = self.candidates.len();
         let width = budget + 1;
-        let mut vertices = vec![
-            Vertex {
-                ended: NEVER,
-                from: 0,
-                things: 0,
-                begun_least: f64::INFINITY,
-            };
-            m * width
-        ];
+        let mut table = Table::new(m, width);
         // closed[k + 1]: least cost of all returns up to candidate k, no chain open.
         let mut closed = vec![f64::INFINITY; (m + 1) * width];
         closed[..width].fill(0.0);
         for k in 0..m {
+            let row = k * width;
             let between = self.unused_m2 * (self.skipped(k)) as f64;
             for v in 1..width {
-                vertices[k * width + v].begun_least = closed[k * width + v - 1] + between;
+                table.begun_least[row + v] = closed[row + v - 1] + between;
             }
-            self.end_sides(k, &mut vertices, width);
+            self.end_sides(k, &mut table);
             for v in 0..width {
-                let dropped = closed[k * width + v] + between + self.unused_m2;
-                closed[(k + 1) * width + v] = dropped.min(vertices[k * width + v].ended.least);
+                let ended = table.ended[row + v].least;
+                let dropped = closed[row + v] + between + self.unused_m2;
+                closed[row + width + v] = dropped.min(ended);
+                table.start_least[row + v] = ended.min(table.begun_least[row + v]);
             }
         }
-        self.trace(&vertices, &closed, width)
+        self.trace(&table, &closed)
     }
 
     /// Returns between candidate `k` and the one before.
@@ -110,40 +126,54 @@ impl Plan<'_> {
     }
 
     /// All sides that end at candidate `k`, for every number of vertices.
-    fn end_sides(&self, k: usize, vertices: &mut [Vertex], width: usize) {
-        let (earlier, here) = vertices.split_at_mut(k * width);
+    fn end_sides(&self, k: usize, table: &mut Table) {
         let t = self.candidates[k];
-        let own_bend = self.own_bend(t);
-        let own_at = 1.0 / self.points[t].norm();
         for j in (0..k).rev() {
             let s = self.candidates[j];
             if self.bearings_rad[t] - self.bearings_rad[s] > WIDEST_SIDE_RAD {
                 break;
             }
-            let first = (1.0 / self.points[s].norm(), self.own_bend(s));
             for (side, things) in [self.side(s, t), self.side_behind(s, t)].into_iter().flatten() {
-                let spent = 1 + 2 * things;
-                for v in 1..width.saturating_sub(spent) {
-                    let start = earlier[j * width + v].start(first.0, first.1);
-                    let so_far = &mut here[v + spent];
-                    if start.least + side.least >= so_far.ended.least {
-                        continue;
-                    }
-                    let ended = through(start, first.0, &side, own_at, own_bend);
-                    if ended.least < so_far.ended.least {
-                        so_far.ended = ended;
-                        so_far.from = j;
-                        so_far.things = things;
-                    }
-                }
+                self.end_side(table, j, k, &side, things);
             }
         }
     }
 
-    /// Weight of a return's own residual in its inverse range: r⁴.
-    fn own_bend(&self, t: usize) -> f64 {
+    /// One side from candidate `j` to `k`, for every number of vertices.
+    fn end_side(&self, table: &mut Table, j: usize, k: usize, side: &Side, things: usize) {
+        let width = table.width;
+        let (first, last) = (self.own(self.candidates[j]), self.own(self.candidates[k]));
+        let spent = 1 + 2 * things;
+        for v in 1..width.saturating_sub(spent) {
+            let (before, here) = (j * width + v, k * width + v + spent);
+            let so_far = table.ended[here].least;
+            if table.start_least[before] + side.least >= so_far {
+                continue;
+            }
+            let start = if table.begins(before) {
+                Parabola {
+                    least: table.begun_least[before],
+                    ..first
+                }
+            } else {
+                table.ended[before]
+            };
+            let ended = through(start, first.at, side, last);
+            if ended.least < so_far {
+                table.ended[here] = ended;
+                table.from[here] = (j as u16, things as u16);
+            }
+        }
+    }
+
+    /// A return's own squared range residual as a parabola: weight r⁴ in the inverse range.
+    fn own(&self, t: usize) -> Parabola {
         let r2 = self.points[t].dot(self.points[t]);
-        r2 * r2
+        Parabola {
+            least: 0.0,
+            at: 1.0 / r2.sqrt(),
+            bend: r2 * r2,
+        }
     }
 
     /// The side between returns s and t, unless leaving its returns out is cheaper.
@@ -160,6 +190,9 @@ impl Plan<'_> {
 
     fn side_over(&self, sums: &Sums, s: usize, t: usize, extra_m2: f64) -> Option<Side> {
         let inner = s + 1..t;
+        if inner.is_empty() && self.breaks[t] {
+            return None;
+        }
         let extra_m2 = extra_m2 + self.crossing_m2[t] - self.crossing_m2[s];
         let least = sums.range_cost(&inner) + extra_m2;
         if least > self.unused_m2 * inner.len() as f64 {
@@ -172,25 +205,29 @@ impl Plan<'_> {
     }
 
     /// The chains of the least total cost.
-    fn trace(&self, vertices: &[Vertex], closed: &[f64], width: usize) -> Vec<Chain> {
-        let m = self.candidates.len();
+    fn trace(&self, table: &Table, closed: &[f64]) -> Vec<Chain> {
+        let (m, width) = (self.candidates.len(), table.width);
         let mut v = (0..width)
             .min_by(|&a, &b| closed[m * width + a].total_cmp(&closed[m * width + b]))
             .unwrap_or(0);
         let mut chains = Vec::new();
         let mut k = m;
         while k > 0 {
-            if closed[k * width + v] < vertices[(k - 1) * width + v].ended.least {
+            if closed[k * width + v] < table.ended[(k - 1) * width + v].least {
                 k -= 1;
                 continue;
             }
-            let mut at = k - 1;
+            k -= 1;
             let mut chain = Chain::default();
-            chain.vertices.push(self.candidates[at]);
+            chain.vertices.push(self.candidates[k]);
             loop {
-                let vertex = &vertices[at * width + v];
-                let (s, t) = (self.candidates[vertex.from], self.candidates[at]);
-                if vertex.things > 0 {
+                let t = self.candidates[k];
+                let (from, things) = table.from[k * width + v];
+                k = usize::from(from);
+                v -= 1 + 2 * usize::from(things);
+                let s = self.candidates[k];
+                chain.vertices.push(s);
+                if things > 0 {
                     chain.things.extend(
                         self.front
                             .between(s, t)
@@ -198,15 +235,11 @@ impl Plan<'_> {
                             .flat_map(|(things, _)| things),
                     );
                 }
-                v -= 1 + 2 * vertex.things;
-                at = vertex.from;
-                chain.vertices.push(s);
-                if vertices[at * width + v].begins() {
+                if table.begins(k * width + v) {
                     break;
                 }
             }
             v -= 1;
-            k = at;
             chain.vertices.reverse();
             chains.push(chain);
         }
@@ -215,39 +248,19 @@ impl Plan<'_> {
     }
 }
 
-impl Vertex {
-    /// Whether beginning a chain here is cheaper than ending a side here.
-    fn begins(&self) -> bool {
-        self.begun_least < self.ended.least
-    }
-
-    /// What a further side starts from; `at` and `bend` of the vertex's own residual.
-    fn start(&self, at: f64, bend: f64) -> Parabola {
-        if self.begins() {
-            Parabola {
-                least: self.begun_least,
-                at,
-                bend,
-            }
-        } else {
-            self.ended
-        }
-    }
-}
-
 /// Carries a parabola over a side: minimum over the inverse range of its first vertex, plus the own residual of its last.
-fn through(start: Parabola, first_at: f64, side: &Side, last_at: f64, last_bend: f64) -> Parabola {
+fn through(start: Parabola, first_at: f64, side: &Side, last: Parabola) -> Parabola {
     // x, y: deviations of the two inverse ranges from the measured ones.
     let start_x = start.at - first_at;
-    let xx = start.bend + side.xx;
+    let per_xx = 1.0 / (start.bend + side.xx);
     let x0 = side.x - start.bend * start_x;
-    let constant = start.least + start.bend * start_x * start_x + side.at_returns - x0 * x0 / xx;
-    let linear = side.y - side.xy * x0 / xx;
-    let bend = side.yy - side.xy * side.xy / xx + last_bend;
+    let constant = start.least + start.bend * start_x * start_x + side.at_returns - x0 * x0 * per_xx;
+    let linear = side.y - side.xy * x0 * per_xx;
+    let bend = side.yy - side.xy * side.xy * per_xx + last.bend;
     let y = -linear / bend;
     Parabola {
-        least: constant - linear * linear / bend,
-        at: last_at + y,
+        least: constant + linear * y,
+        at: last.at + y,
         bend,
     }
 }
