@@ -14,7 +14,8 @@ pub struct Agreement {
     pub beams: usize,
     /// Beams that end on a side of the map, or so near that noise and a small pose error explain it.
     pub on_map: usize,
-    /// Beams that return from well behind a side: the map would have stopped them.
+    /// Beams that return from well behind a side: the map would have stopped them. A beam may end on one side and
+    /// have gone through another.
     pub through: usize,
     /// Beams that return from well before the side that they should have reached.
     pub short: usize,
@@ -36,11 +37,13 @@ impl Agreement {
         if known == 0 { 0.0 } else { self.on_map as f64 / known as f64 }
     }
 
-    /// One number to rank poses by: agreeing beams count for, beams through walls against, short ones (something new
-    /// stands before the wall) half as much, unknown ones not at all; per beam.
+    /// One number to rank poses by: beams that end on the map count for, beams through walls half as much against,
+    /// and so do short ones (something new stands before the wall), unknown ones not at all; per beam. Somebody who
+    /// stood close to the scanner and left is looked through by half of the beams: this must not outweigh that they
+    /// all end where they should.
     #[must_use]
     pub fn score(&self) -> f64 {
-        let sum = self.on_map as f64 - self.through as f64 - 0.5 * self.short as f64;
+        let sum = self.on_map as f64 - 0.5 * self.through as f64 - 0.5 * self.short as f64;
         if self.beams == 0 { 0.0 } else { sum / self.beams as f64 }
     }
 }
@@ -68,13 +71,13 @@ pub(crate) fn judge(points: &[SidePoint], map: &SideGrid, map_from_scan: Pose, g
             }
             crossing.range_m <= range_m + gate_m
         });
-        let count = match first {
-            Some(c) if c.range_m < range_m - 2.0 * gate_m => &mut agreement.through,
-            _ if on_map => &mut agreement.on_map,
-            Some(c) if c.range_m > range_m + gate_m => &mut agreement.short,
-            _ => &mut agreement.unknown,
-        };
-        *count += 1;
+        let met_m = first.map(|c| c.range_m);
+        let through = met_m.is_some_and(|m| m < range_m - 2.0 * gate_m);
+        let short = met_m.is_some_and(|m| m > range_m + gate_m);
+        agreement.through += usize::from(through);
+        agreement.on_map += usize::from(on_map);
+        agreement.short += usize::from(short && !on_map);
+        agreement.unknown += usize::from(!on_map && !through && !short);
     }
     agreement
 }
