@@ -14,6 +14,7 @@ mod chain;
 mod divide;
 mod ends;
 mod evolve;
+mod finish;
 mod fit;
 mod front;
 mod group;

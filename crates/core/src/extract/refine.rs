@@ -8,7 +8,7 @@ use super::fit::Line;
 use crate::geometry::Point;
 
 /// Rounds of Gauss-Newton; the gain of a fourth is below 1 % of the residual.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 8;
 
 /// A chain of vertices with the returns it explains.
 pub(super) struct Refine<'a> {
