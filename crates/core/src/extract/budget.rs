@@ -17,7 +17,7 @@ use crate::scan::ScanGeometry;
 /// Cost of a return that no polyline explains, in m² times the budget: at 20 vertices like a residual of 0.35 m, at 50 like
 /// 0.22 m. Without a cost, leaving out is always best; with a large one, walls are bent to reach stray returns. The
 /// residuals of a good plan fall about as 1/√budget, and so does what counts as explained.
-const UNUSED_M2_TIMES_BUDGET: f64 = 2.4;
+const UNUSED_M2_TIMES_BUDGET: f64 = 2.35;
 
 /// A beam without a return that a side crosses counts like a residual of this many metres: there is free space or glass.
 const CROSSED_M: f64 = 0.7;

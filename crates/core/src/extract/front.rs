@@ -75,10 +75,10 @@ fn things(points: &[Point]) -> Vec<Range<usize>> {
         let rise_m = points[k].norm() - points[k - 1].norm();
         if rise_m < -EDGE_M {
             fall = Some(k);
-        } else if rise_m > EDGE_M {
-            if let Some(start) = fall.take().filter(|start| k - start <= WIDEST) {
-                things.push(start..k);
-            }
+        } else if rise_m > EDGE_M
+            && let Some(start) = fall.take().filter(|start| k - start <= WIDEST)
+        {
+            things.push(start..k);
         }
     }
     things

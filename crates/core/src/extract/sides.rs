@@ -15,6 +15,9 @@ use crate::geometry::{Point, Polyline};
 /// Error of the bearing as a share of the beam step: width of the beam, and quantised angles.
 const BEARING_ERROR_STEPS: f64 = 0.1;
 
+/// How flat walls are, metres: long walls have enough returns to show bends of millimetres, which are no corners.
+const FLATNESS_M: f64 = 0.008;
+
 /// Polylines of all groups of two returns or more.
 pub(super) fn extract(groups: &Groups, step_rad: f64, noise_m: f64, side_penalty: f64) -> Extraction {
     let mut out = Extraction {
@@ -51,7 +54,10 @@ fn polyline(
     let sums = Sums::new(points.iter().enumerate().map(|(k, &p)| {
         let (r, slope_m) = (ranges_m[k], slope_m(ranges_m, k));
         let bearing_m = BEARING_ERROR_STEPS * slope_m;
-        (p, r * r / (noise_m * noise_m + bearing_m * bearing_m))
+        (
+            p,
+            r * r / (noise_m * noise_m + FLATNESS_M * FLATNESS_M + bearing_m * bearing_m),
+        )
     }));
     let sides = divide(points.len(), side_penalty, |run| sums.range_cost(run));
     let end = |line: Line, p: Point| end_on_ray(line, p, noise_m);
