@@ -17,7 +17,10 @@ use crate::scan::ScanGeometry;
 /// Cost of a return that no polyline explains, in m² times the budget: at 20 vertices like a residual of 0.35 m, at 50 like
 /// 0.22 m. Without a cost, leaving out is always best; with a large one, walls are bent to reach stray returns. The
 /// residuals of a good plan fall about as 1/√budget, and so does what counts as explained.
-const UNUSED_M2_TIMES_BUDGET: f64 = 2.35;
+const UNUSED_M2_TIMES_BUDGET: f64 = 2.3;
+
+/// Below this budget the cost of unused returns does not rise further: few vertices cannot explain a scan, whatever it costs.
+const LEAST_BUDGET: usize = 20;
 
 /// A beam without a return that a side crosses counts like a residual of this many metres: there is free space or glass.
 const CROSSED_M: f64 = 0.7;
@@ -26,7 +29,7 @@ const CROSSED_M: f64 = 0.7;
 const DROPOUT_SHARE: f64 = 0.05;
 
 /// Candidates for vertices: so many, and so many times the budget.
-const CANDIDATES: (usize, usize) = (40, 2);
+const CANDIDATES: (usize, usize) = (60, 1);
 
 /// Polylines with at most `vertices` vertices together.
 pub(super) fn extract(groups: Groups, geometry: &ScanGeometry, noise_m: f64, vertices: usize) -> Extraction {
@@ -111,7 +114,7 @@ impl Work {
             bearings_rad: &self.bearings_rad,
             candidates: &candidates,
             breaks: &self.breaks,
-            unused_m2: UNUSED_M2_TIMES_BUDGET / vertices as f64,
+            unused_m2: UNUSED_M2_TIMES_BUDGET / vertices.max(LEAST_BUDGET) as f64,
             crossing_m2: &self.crossing_m2,
         };
         let finish = Finish {

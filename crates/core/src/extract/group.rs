@@ -218,17 +218,21 @@ impl Row<'_> {
         direction.cross(target - a).abs() - 3.0 * point_m * reach
     }
 
-    /// Where to begin the list of a full circle: at the first gap, or at the widest step when there is none.
+    /// Where to begin the list of a full circle: at the first gap; in a closed room, at its sharpest corner, because a beginning
+    /// in the middle of a wall would cut the wall.
     fn start(&self, joined: &[bool]) -> usize {
         if let Some(k) = joined.iter().position(|&j| !j) {
             return k;
         }
-        let step_m = |k: usize| {
-            self.before(k)
-                .map_or(0.0, |j| self.points[j].distance(self.points[k]))
+        let n = self.points.len();
+        let reach = (n / 24).max(1);
+        let height_m = |k: usize| {
+            let (a, b) = (self.points[(k + n - reach) % n], self.points[(k + reach) % n]);
+            let chord = (b - a).unit().unwrap_or_default();
+            chord.cross(self.points[k] - a).abs()
         };
-        (0..joined.len())
-            .max_by(|&a, &b| step_m(a).total_cmp(&step_m(b)).then(b.cmp(&a)))
+        (0..n)
+            .max_by(|&a, &b| height_m(a).total_cmp(&height_m(b)).then(b.cmp(&a)))
             .unwrap_or(0)
     }
 }
