@@ -106,6 +106,8 @@ impl Work {
         if points.len() < 2 {
             return Vec::new();
         }
+        // Two vertices a return explain everything.
+        let vertices = vertices.min(2 * points.len());
         let candidates = self.candidates(CANDIDATES.0 + CANDIDATES.1 * vertices);
         let plan = Plan {
             points,
