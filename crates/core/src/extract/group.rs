@@ -113,6 +113,8 @@ impl Row<'_> {
     /// From gap to gap along a wall, the spacing of the returns changes by no more than this factor, as long as the wall is seen
     /// at more than three beam steps of incidence.
     const GROWTH: f64 = 2.5;
+    /// A line is drawn on no farther than this many times its length before its uncertainty stops growing.
+    const FARTHEST: f64 = 2.0;
 
     fn before(&self, k: usize) -> Option<usize> {
         let n = self.points.len();
@@ -213,9 +215,10 @@ impl Row<'_> {
         let sine = direction.cross(a).abs() / range_m;
         let beam_m = BEARING_ERROR_STEPS * range_m * self.step_rad;
         let point_m = (self.noise_m * sine).hypot(beam_m);
-        // The direction of the line is as uncertain as its points over its length.
-        let reach = 1.0 + a.distance(target) / length_m;
-        direction.cross(target - a).abs() - 3.0 * point_m * reach
+        // The direction of the line is as uncertain as its points over its length; where that leaves everything open, it does not lead.
+        let ahead_m = a.distance(target);
+        let across_m = 3.0 * point_m * (1.0 + (ahead_m / length_m).min(Self::FARTHEST));
+        direction.cross(target - a).abs() - across_m
     }
 
     /// Where to begin the list of a full circle: at the first gap; in a closed room, at its sharpest corner, because a beginning

@@ -283,24 +283,25 @@ mod tests {
     fn chain_cost(ranges_m: &[f64], chain: &[usize]) -> f64 {
         let n = chain.len();
         let mut rows = Vec::new();
-        for k in chain[0]..=chain[n - 1] {
+        for (k, &range_m) in ranges_m.iter().enumerate().take(chain[n - 1] + 1).skip(chain[0]) {
             let side = chain.windows(2).position(|w| k <= w[1]).unwrap();
             let (a, b) = (chain[side] as f64, chain[side + 1] as f64);
             let sine = |steps: f64| (STEP_RAD * steps).sin();
             let mut row = vec![0.0; n + 1];
             row[side] = sine(b - k as f64) / sine(b - a);
             row[side + 1] = sine(k as f64 - a) / sine(b - a);
-            row[n] = 1.0 / ranges_m[k];
-            let r2 = ranges_m[k] * ranges_m[k];
+            row[n] = 1.0 / range_m;
+            let r2 = range_m * range_m;
             rows.push(row.into_iter().map(|v| v * r2).collect::<Vec<f64>>());
         }
         let dot = |i: usize, j: usize| rows.iter().map(|row| row[i] * row[j]).sum::<f64>();
         let mut m: Vec<Vec<f64>> = (0..=n).map(|i| (0..=n).map(|j| dot(i, j)).collect()).collect();
         for pivot in 0..n {
-            for i in pivot + 1..=n {
-                let factor = m[i][pivot] / m[pivot][pivot];
-                for j in 0..=n {
-                    m[i][j] -= factor * m[pivot][j];
+            let (above, below) = m.split_at_mut(pivot + 1);
+            for row in below {
+                let factor = row[pivot] / above[pivot][pivot];
+                for (value, p) in row.iter_mut().zip(&above[pivot]) {
+                    *value -= factor * p;
                 }
             }
         }
