@@ -251,12 +251,21 @@ fn scans_of_nothing_and_of_single_returns_have_no_polylines() {
 }
 
 #[test]
-fn any_ranges_give_finite_polylines_in_order() {
+fn any_ranges_give_finite_polylines_that_do_not_turn_back() {
     let mut seed = 11;
     for geometry in [half_circle(), full_circle()] {
-        for _ in 0..30 {
+        for k in 0..200 {
+            // From salt and pepper to walks that wander by some per cent a beam.
+            let mut walk_m = 2.0;
             let ranges_m = (0..geometry.beams())
-                .map(|_| normal(&mut seed).abs() * 10.0)
+                .map(|_| {
+                    walk_m *= 1.0 + 0.0005 * f64::from(k) * normal(&mut seed);
+                    if k == 0 {
+                        normal(&mut seed).abs() * 10.0
+                    } else {
+                        walk_m
+                    }
+                })
                 .collect();
             let scan = Scan::new(geometry, ranges_m).unwrap();
             let budget = extract_with_budget(&scan, 20, &ExtractSettings::default());
@@ -266,8 +275,13 @@ fn any_ranges_give_finite_polylines_in_order() {
                     line.polyline
                         .vertices()
                         .iter()
-                        .all(|v| v.is_finite() && v.norm() < 100.0),
+                        .all(|v| v.is_finite() && v.norm() < 1e3),
                     "{line:?}"
+                );
+                let mut sides = line.polyline.sides();
+                assert!(
+                    sides.all(|s| s.a.cross(s.b) > -0.03 * s.a.norm() * s.b.norm()),
+                    "{k}: {line:?}"
                 );
             }
         }
