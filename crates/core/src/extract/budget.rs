@@ -5,20 +5,22 @@
 //! 2. [`Plan`] chooses the best vertices among them for the whole scan at once.
 //! 3. [`Refine`] moves the vertices.
 
-use super::ends::draw_out;
 use super::evolve::{Stop, evolve_by};
+use super::finish::{Finish, Finished};
 use super::fit::Sums;
 use super::front::Front;
 use super::group::Groups;
-use super::plan::{Chain, Plan};
-use super::refine::Refine;
+use super::plan::Plan;
 use super::{Extraction, ScanPolyline};
-use crate::geometry::{Point, Polyline};
 use crate::scan::ScanGeometry;
 
-/// A return that no polyline explains counts like a residual of this many metres. Without a cost, leaving out is always best;
-/// with a large one, walls are bent to reach stray returns.
-const UNUSED_M: f64 = 0.35;
+/// Cost of a return that no polyline explains, in m² times the budget: at 20 vertices like a residual of 0.35 m, at 50 like
+/// 0.22 m. Without a cost, leaving out is always best; with a large one, walls are bent to reach stray returns. The
+/// residuals of a good plan fall about as 1/√budget, and so does what counts as explained.
+const UNUSED_M2_TIMES_BUDGET: f64 = 2.3;
+
+/// Below this budget the cost of unused returns does not rise further: few vertices cannot explain a scan, whatever it costs.
+const LEAST_BUDGET: usize = 20;
 
 /// A beam without a return that a side crosses counts like a residual of this many metres: there is free space or glass.
 const CROSSED_M: f64 = 0.7;
@@ -27,7 +29,7 @@ const CROSSED_M: f64 = 0.7;
 const DROPOUT_SHARE: f64 = 0.05;
 
 /// Candidates for vertices: so many, and so many times the budget.
-const CANDIDATES: (usize, usize) = (40, 2);
+const CANDIDATES: (usize, usize) = (60, 1);
 
 /// Polylines with at most `vertices` vertices together.
 pub(super) fn extract(groups: Groups, geometry: &ScanGeometry, noise_m: f64, vertices: usize) -> Extraction {
@@ -99,11 +101,13 @@ impl Work {
     }
 
     /// Polylines with the first and last return of each.
-    fn polylines(&self, vertices: usize) -> Vec<(Polyline, usize, usize)> {
+    fn polylines(&self, vertices: usize) -> Vec<Finished> {
         let points = &self.groups.points;
         if points.len() < 2 {
             return Vec::new();
         }
+        // Two vertices a return explain everything.
+        let vertices = vertices.min(2 * points.len());
         let candidates = self.candidates(CANDIDATES.0 + CANDIDATES.1 * vertices);
         let plan = Plan {
             points,
@@ -112,10 +116,15 @@ impl Work {
             bearings_rad: &self.bearings_rad,
             candidates: &candidates,
             breaks: &self.breaks,
-            unused_m2: UNUSED_M * UNUSED_M,
+            unused_m2: UNUSED_M2_TIMES_BUDGET / vertices.max(LEAST_BUDGET) as f64,
             crossing_m2: &self.crossing_m2,
         };
-        self.finish(&plan.solve(vertices))
+        let finish = Finish {
+            points,
+            front: &self.front,
+            step_rad: self.step_rad,
+        };
+        finish.run(&plan.solve(vertices))
     }
 
     /// The returns whose removal as vertices would cost most; those beside a hole that means something always stay.
@@ -135,54 +144,5 @@ impl Work {
             candidate[k] |= hole;
         }
         (0..points.len()).filter(|&k| candidate[k]).collect()
-    }
-
-    /// Refined polylines of the chains and of the things in front of them.
-    fn finish(&self, chains: &[Chain]) -> Vec<(Polyline, usize, usize)> {
-        let mut out = Vec::new();
-        for chain in chains {
-            out.extend(self.polyline(chain));
-            for &thing in &chain.things {
-                let thing = &self.front.things[thing];
-                out.extend(self.thing(thing.start, thing.end - 1));
-            }
-        }
-        out.sort_by_key(|&(_, first, _)| first);
-        out
-    }
-
-    fn polyline(&self, chain: &Chain) -> Option<(Polyline, usize, usize)> {
-        let points = &self.groups.points;
-        let (&first, &last) = (chain.vertices.first()?, chain.vertices.last()?);
-        let mut hidden = vec![false; last + 1 - first];
-        for &thing in &chain.things {
-            let thing = &self.front.things[thing];
-            hidden[thing.start - first..thing.end - first].fill(true);
-        }
-        let seen: Vec<Point> = (first..=last)
-            .filter(|k| !hidden[k - first])
-            .map(|k| points[k])
-            .collect();
-        let refine = Refine { points: &seen };
-        let mut vertices = refine.run(chain.vertices.iter().map(|&k| points[k]).collect());
-        draw_out(&mut vertices, self.step_rad);
-        Some((Polyline::new(vertices).ok()?, first, last))
-    }
-
-    /// One side through a thing in front; a thing of one return is drawn as wide as its beam.
-    fn thing(&self, first: usize, last: usize) -> Option<(Polyline, usize, usize)> {
-        let points = &self.groups.points;
-        let vertices = if first == last {
-            let half_m = points[first].left() * (0.45 * self.step_rad);
-            vec![points[first] - half_m, points[first] + half_m]
-        } else {
-            let refine = Refine {
-                points: &points[first..=last],
-            };
-            let mut vertices = refine.run(vec![points[first], points[last]]);
-            draw_out(&mut vertices, self.step_rad);
-            vertices
-        };
-        Some((Polyline::new(vertices).ok()?, first, last))
     }
 }

@@ -29,6 +29,7 @@ pub fn simplify_chain(points: &[Point], weights: &[f64], side_penalty: f64) -> V
         &sides,
         |run| sums.perpendicular_line(run),
         |line, p| line.foot(p),
+        |_, _, _| true,
     );
     if let (Some(first), Some(last)) = (local.first(), local.last()) {
         let end = vertices.len() - 1;

@@ -9,7 +9,7 @@ use super::fit::Sums;
 use crate::geometry::Point;
 
 /// A range that falls or rises by more than this from beam to beam is an edge, metres (the paper's gap, section 2).
-const EDGE_M: f64 = 0.2;
+const EDGE_M: f64 = 0.3;
 
 /// Returns of the widest thing: what is wider hides too much of the wall to say that it goes on.
 const WIDEST: usize = 24;
@@ -75,10 +75,10 @@ fn things(points: &[Point]) -> Vec<Range<usize>> {
         let rise_m = points[k].norm() - points[k - 1].norm();
         if rise_m < -EDGE_M {
             fall = Some(k);
-        } else if rise_m > EDGE_M {
-            if let Some(start) = fall.take().filter(|start| k - start <= WIDEST) {
-                things.push(start..k);
-            }
+        } else if rise_m > EDGE_M
+            && let Some(start) = fall.take().filter(|start| k - start <= WIDEST)
+        {
+            things.push(start..k);
         }
     }
     things

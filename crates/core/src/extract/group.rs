@@ -38,6 +38,9 @@ impl Default for GroupSettings {
     }
 }
 
+/// Error of a bearing as a share of the beam step: interlaced scanners zigzag by as much on grazing walls.
+const BEARING_ERROR_STEPS: f64 = 0.25;
+
 /// The returns of a scan in counter-clockwise order, cut into groups.
 ///
 /// On a full circle the order starts at a gap, so that no group is cut by the end of the list.
@@ -106,7 +109,12 @@ struct Row<'a> {
 
 impl Row<'_> {
     /// Returns looked at on either side of a gap.
-    const NEAR: usize = 3;
+    const NEAR: usize = 4;
+    /// From gap to gap along a wall, the spacing of the returns changes by no more than this factor, as long as the wall is seen
+    /// at more than three beam steps of incidence.
+    const GROWTH: f64 = 2.5;
+    /// A line is drawn on no farther than this many times its length before its uncertainty stops growing.
+    const FARTHEST: f64 = 2.0;
 
     fn before(&self, k: usize) -> Option<usize> {
         let n = self.points.len();
@@ -165,48 +173,69 @@ impl Row<'_> {
         }
     }
 
-    /// Whether the line through return `from` and its neighbours in direction `next` passes by `target`, a gap of
-    /// no more than 2.5 times the spacing of those neighbours and growing as on a wall.
+    /// Whether three returns or more on a line, the last of them `from`, lead to `target`: it lies on their line, ahead,
+    /// and as far as their spacing lets expect.
     fn leads_to(&self, from: usize, target: Point, next: impl Fn(&Self, usize) -> Option<usize>) -> bool {
         let p = self.points[from];
-        let mut far = from;
-        let mut count = 0;
-        for _ in 0..Self::NEAR - 1 {
-            let Some(further) = next(self, far) else { break };
-            far = further;
-            count += 1;
+        let gap_m = p.distance(target);
+        let mut on_line = vec![p];
+        let mut at = from;
+        let mut step_m = gap_m;
+        while on_line.len() <= Self::NEAR {
+            let Some(further) = next(self, at).filter(|&k| k != from) else {
+                break;
+            };
+            let q = self.points[further];
+            let straight = on_line.len() < 2 || self.off_line_m(p, q, on_line[1]) <= 0.0;
+            let further_m = q.distance(self.points[at]);
+            if !straight || !self.even(step_m, further_m) {
+                break;
+            }
+            step_m = further_m;
+            on_line.push(q);
+            at = further;
         }
-        if count < 1 || far == from {
+        if on_line.len() < 3 {
             return false;
         }
-        let Some(direction) = (p - self.points[far]).unit() else {
-            return false;
-        };
-        let to_target = target - p;
-        let ahead_m = to_target.dot(direction);
-        if ahead_m <= 0.0 {
-            return false;
-        }
-        let length_m = p.distance(self.points[far]);
-        // The direction of a line through points with noise σ in range is off by about σ_perp / length.
-        let sine = (direction.cross(p) / p.norm().max(1e-9)).abs();
-        let across_m =
-            3.0 * self.noise_m * sine * (1.0 + 2.0 * ahead_m / length_m.max(1e-9)) + 0.03 * ahead_m;
-        let spacing_m = length_m / count as f64;
-        direction.cross(to_target).abs() <= across_m && ahead_m <= 2.5 * spacing_m.max(self.settings.gap_m)
+        let far = self.points[at];
+        (p - far).dot(target - p) > 0.0 && self.off_line_m(p, far, target) <= 0.0
     }
 
-    /// Where to begin the list of a full circle: at the first gap, or at the widest step when there is none.
+    /// Whether two neighbouring gaps may be spacings on one wall.
+    fn even(&self, a_m: f64, b_m: f64) -> bool {
+        a_m.max(b_m) <= Self::GROWTH * a_m.min(b_m).max(self.settings.gap_m)
+    }
+
+    /// How much farther `target` is from the line through `a` and `b` than noise explains, metres.
+    fn off_line_m(&self, a: Point, b: Point, target: Point) -> f64 {
+        let length_m = a.distance(b).max(1e-9);
+        let direction = (b - a) / length_m;
+        let range_m = a.norm().max(1e-9);
+        let sine = direction.cross(a).abs() / range_m;
+        let beam_m = BEARING_ERROR_STEPS * range_m * self.step_rad;
+        let point_m = (self.noise_m * sine).hypot(beam_m);
+        // The direction of the line is as uncertain as its points over its length; where that leaves everything open, it does not lead.
+        let ahead_m = a.distance(target);
+        let across_m = 3.0 * point_m * (1.0 + (ahead_m / length_m).min(Self::FARTHEST));
+        direction.cross(target - a).abs() - across_m
+    }
+
+    /// Where to begin the list of a full circle: at the first gap; in a closed room, at its sharpest corner, because a beginning
+    /// in the middle of a wall would cut the wall.
     fn start(&self, joined: &[bool]) -> usize {
         if let Some(k) = joined.iter().position(|&j| !j) {
             return k;
         }
-        let step_m = |k: usize| {
-            self.before(k)
-                .map_or(0.0, |j| self.points[j].distance(self.points[k]))
+        let n = self.points.len();
+        let reach = (n / 24).max(1);
+        let height_m = |k: usize| {
+            let (a, b) = (self.points[(k + n - reach) % n], self.points[(k + reach) % n]);
+            let chord = (b - a).unit().unwrap_or_default();
+            chord.cross(self.points[k] - a).abs()
         };
-        (0..joined.len())
-            .max_by(|&a, &b| step_m(a).total_cmp(&step_m(b)).then(b.cmp(&a)))
+        (0..n)
+            .max_by(|&a, &b| height_m(a).total_cmp(&height_m(b)).then(b.cmp(&a)))
             .unwrap_or(0)
     }
 }

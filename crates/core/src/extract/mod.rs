@@ -1,19 +1,23 @@
 //! Scan → polylines (paper sections 2 and 3.1).
 //!
-//! In: a scan. Out: its polylines, counter-clockwise, free space on their left.
+//! In: a scan. Out: its polylines, counter-clockwise, free space on their left. [`extract`]:
 //!
-//! 1. [`noise`]: range noise σ of the scanner, unless given.
-//! 2. [`group`](GroupSettings): returns → runs of returns on one surface.
-//! 3. Each group is divided into sides: the minimum of Σ (squared range residuals / variance) + penalty a side, over all
-//!    divisions. The paper removes vertices by K(u,v,w) until a fixed K (see [`evolve`]); K knows nothing of noise
-//!    and range, and needs a level per scanner.
+//! 1. The range noise σ of the scanner, unless given ([`estimate_noise_m`]).
+//! 2. Returns → groups on one surface ([`GroupSettings`]).
+//! 3. Each group is divided into sides: the exact minimum over all divisions of Σ (range residual)² / variance + penalty · sides.
+//!    The paper removes vertices by K(u,v,w) up to a fixed K instead ([`evolve`], kept for its figure 2): K knows nothing of noise
+//!    and range, and wants a level per scanner.
 //! 4. A least-squares line per side, vertices where neighbouring sides meet, end points on their rays.
+//!
+//! [`extract_with_budget`] plans the vertices of the whole scan at once, with a price for returns that are in no polyline.
+//! Its polylines may run on behind things that stand in front of them.
 
 mod budget;
 mod chain;
 mod divide;
 mod ends;
 mod evolve;
+mod finish;
 mod fit;
 mod front;
 mod group;
@@ -105,6 +109,35 @@ pub fn extract_with_budget(scan: &Scan, vertices: usize, settings: &ExtractSetti
     budget::extract(groups, scan.geometry(), noise_m, vertices)
 }
 
+/// The paper's own simplification (section 3.1): groups evolved until every vertex has a relevance K of `level_m` metres or
+/// more, vertices on returns, no line fit. Its figure 2 shows levels 0.001, 0.005, 0.010 and 0.015; level 0 keeps every return.
+#[must_use]
+pub fn extract_by_relevance(scan: &Scan, level_m: f64, settings: &ExtractSettings) -> Extraction {
+    let noise_m = noise_m(scan, settings);
+    let groups = group::group(scan, &settings.grouping, noise_m);
+    let mut out = Extraction {
+        noise_m,
+        returns: groups.points.len(),
+        ..Extraction::default()
+    };
+    for group in &groups.groups {
+        let points = &groups.points[group.clone()];
+        let vertices = evolve(points, Stop::AtCost(level_m))
+            .into_iter()
+            .map(|k| points[k])
+            .collect();
+        match Polyline::new(vertices) {
+            Ok(polyline) => out.polylines.push(ScanPolyline {
+                polyline,
+                first_beam: groups.beams[group.start],
+                last_beam: groups.beams[group.end - 1],
+            }),
+            Err(_) => out.returns_unused += group.len(),
+        }
+    }
+    out
+}
+
 /// The noise to work with.
 fn noise_m(scan: &Scan, settings: &ExtractSettings) -> f64 {
     settings
@@ -113,3 +146,6 @@ fn noise_m(scan: &Scan, settings: &ExtractSettings) -> f64 {
         .unwrap_or(NOISE_DEFAULT_M)
         .max(NOISE_FLOOR_M)
 }
+
+#[cfg(test)]
+mod tests;

@@ -14,6 +14,10 @@ pub const NOISE_FLOOR_M: f64 = 0.003;
 /// Noise assumed where a scan cannot tell, metres: an ordinary indoor scanner.
 pub const NOISE_DEFAULT_M: f64 = 0.010;
 
+/// Distances within a triple, in beams. Low-cost scanners repeat and smooth ranges from beam to beam, so that neighbours agree better
+/// than the wall does; the larger of the two estimates stands.
+const LAGS: [usize; 2] = [1, 3];
+
 /// Fewest triples of neighbouring returns that an estimate rests on.
 const FEWEST_TRIPLES: usize = 20;
 
@@ -23,11 +27,19 @@ const FEWEST_TRIPLES: usize = 20;
 /// Meant to be smoothed over scans by the caller (a running median, say): a single scan in clutter reads too high.
 #[must_use]
 pub fn estimate_noise_m(scan: &Scan) -> Option<f64> {
-    let bend = 2.0 * scan.geometry().step_rad().cos();
+    LAGS.iter()
+        .filter_map(|&lag| middle_noise_m(scan, lag))
+        .max_by(f64::total_cmp)
+        .map(|noise_m| noise_m.max(NOISE_FLOOR_M))
+}
+
+/// The estimate from triples of returns `lag` beams apart.
+fn middle_noise_m(scan: &Scan, lag: usize) -> Option<f64> {
+    let bend = 2.0 * (lag as f64 * scan.geometry().step_rad()).cos();
     let mut residuals_m: Vec<f64> = scan
         .ranges_m()
-        .windows(3)
-        .map(|w| (w[1] - bend / (1.0 / w[0] + 1.0 / w[2])).abs())
+        .windows(2 * lag + 1)
+        .map(|w| (w[lag] - bend / (1.0 / w[0] + 1.0 / w[2 * lag])).abs())
         .filter(|e| e.is_finite())
         .collect();
     if residuals_m.len() < FEWEST_TRIPLES {
@@ -35,7 +47,7 @@ pub fn estimate_noise_m(scan: &Scan) -> Option<f64> {
     }
     let middle = residuals_m.len() / 2;
     let (_, median_m, _) = residuals_m.select_nth_unstable_by(middle, f64::total_cmp);
-    Some((*median_m / (0.6745 * 1.5_f64.sqrt())).max(NOISE_FLOOR_M))
+    Some(*median_m / (0.6745 * 1.5_f64.sqrt()))
 }
 
 /// Noise of a scanner over many scans.

@@ -8,7 +8,7 @@ use super::fit::Line;
 use crate::geometry::Point;
 
 /// Rounds of Gauss-Newton; the gain of a fourth is below 1 % of the residual.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 8;
 
 /// A chain of vertices with the returns it explains.
 pub(super) struct Refine<'a> {
@@ -214,4 +214,39 @@ fn times(b: Block, m: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
         [b.xx * m[0][0] + b.xy * m[1][0], b.xx * m[0][1] + b.xy * m[1][1]],
         [b.xy * m[0][0] + b.yy * m[1][0], b.xy * m[0][1] + b.yy * m[1][1]],
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vertices_move_to_the_corner_between_beams_and_ends_stay_on_their_rays() {
+        // Two walls that meet at (2, 0.013), between two beams.
+        let corner = Point::new(2.0, 0.013);
+        let points: Vec<Point> = (-20..=20)
+            .map(|k| {
+                let ray = Point::from_polar(1.0, f64::from(k) * 0.02);
+                let lower = Line {
+                    normal: Point::new(1.0, 0.3),
+                    offset_m: corner.dot(Point::new(1.0, 0.3)),
+                };
+                let upper = Line {
+                    normal: Point::new(1.0, 0.9),
+                    offset_m: corner.dot(Point::new(1.0, 0.9)),
+                };
+                let line = if ray.cross(corner) > 0.0 { lower } else { upper };
+                line.on_ray_of(ray).unwrap()
+            })
+            .collect();
+        let start = vec![points[0], points[21] * 1.05, points[40]];
+        let moved = Refine { points: &points }.run(start.clone());
+        assert!(moved[1].distance(corner) < 1e-3, "{moved:?}");
+        for (end, start) in [(moved[0], start[0]), (moved[2], start[2])] {
+            assert!(
+                end.cross(start).abs() < 1e-9 && end.distance(start) < 1e-3,
+                "{end:?} {start:?}"
+            );
+        }
+    }
 }

@@ -15,6 +15,12 @@ use crate::geometry::{Point, Polyline};
 /// Error of the bearing as a share of the beam step: width of the beam, and quantised angles.
 const BEARING_ERROR_STEPS: f64 = 0.1;
 
+/// How flat walls are, metres: long walls have enough returns to show bends of millimetres, which are no corners.
+const FLATNESS_M: f64 = 0.008;
+
+/// How far a corner may lie outside the two beams that it is between, in beam steps: further, a polyline would turn back.
+const CORNER_SLACK_STEPS: f64 = 0.5;
+
 /// Polylines of all groups of two returns or more.
 pub(super) fn extract(groups: &Groups, step_rad: f64, noise_m: f64, side_penalty: f64) -> Extraction {
     let mut out = Extraction {
@@ -51,11 +57,19 @@ fn polyline(
     let sums = Sums::new(points.iter().enumerate().map(|(k, &p)| {
         let (r, slope_m) = (ranges_m[k], slope_m(ranges_m, k));
         let bearing_m = BEARING_ERROR_STEPS * slope_m;
-        (p, r * r / (noise_m * noise_m + bearing_m * bearing_m))
+        (
+            p,
+            r * r / (noise_m * noise_m + FLATNESS_M * FLATNESS_M + bearing_m * bearing_m),
+        )
     }));
     let sides = divide(points.len(), side_penalty, |run| sums.range_cost(run));
     let end = |line: Line, p: Point| end_on_ray(line, p, noise_m);
-    let mut vertices = join(points, &sides, |run| sums.range_line(run), end);
+    let seen_between = |corner: Point, last: Point, first: Point| {
+        let sine = |a: Point, b: Point| a.cross(b) / (a.norm() * b.norm());
+        sine(last, corner).min(sine(corner, first)) >= -CORNER_SLACK_STEPS * step_rad
+    };
+    let line = |run: &Range<usize>| sums.range_line(run);
+    let mut vertices = join(points, &sides, line, end, seen_between);
     draw_out(&mut vertices, step_rad);
     Polyline::new(vertices).ok()
 }
@@ -70,12 +84,14 @@ fn slope_m(ranges_m: &[f64], k: usize) -> f64 {
     }
 }
 
-/// Vertices of a chain of sides: ends by `end` (side, its last point), corners where lines meet, both ends of a step.
+/// Vertices of a chain of sides: ends by `end` (side, its last point), corners where lines meet if that `fits` (corner, last point
+/// before, first point after), both ends of a step.
 pub(super) fn join(
     points: &[Point],
     sides: &[Range<usize>],
     line: impl Fn(&Range<usize>) -> Option<Line>,
     end: impl Fn(Line, Point) -> Point,
+    fits: impl Fn(Point, Point, Point) -> bool,
 ) -> Vec<Point> {
     let lines: Vec<Option<Line>> = sides
         .iter()
@@ -95,7 +111,10 @@ pub(super) fn join(
             break;
         };
         let corner = match (lines[k], lines[k + 1]) {
-            (Some(a), Some(b)) => corner(a, b, points[last], points[next.start]),
+            (Some(a), Some(b)) => {
+                let (last, first) = (points[last], points[next.start]);
+                corner(a, b, last, first).filter(|&p| fits(p, last, first))
+            }
             _ => None,
         };
         match corner {
