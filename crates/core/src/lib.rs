@@ -7,4 +7,6 @@
 pub mod extract;
 pub mod geometry;
 pub mod map;
+pub mod matching;
 pub mod scan;
+pub mod shape;
