@@ -16,20 +16,13 @@ const APART_BINS: usize = 6;
 /// A wall counts with its length up to this, metres, so that one long corridor wall does not outvote a room.
 const LONGEST_VOTE_M: f64 = 2.0;
 
-/// A heading and the share of the histogram that votes for it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Heading {
-    pub heading_rad: f64,
-    pub votes: f64,
-}
-
 /// Up to `count` headings, best first. `log_prior` is added to the logarithm of the votes.
 pub(super) fn headings(
     scan: &[Wall],
     reference: &[Wall],
     log_prior: impl Fn(f64) -> f64,
     count: usize,
-) -> Vec<Heading> {
+) -> Vec<f64> {
     let histogram = smoothed(&correlation(scan, reference));
     let worth: Vec<f64> = (0..BINS)
         .map(|bin| histogram[bin] * log_prior(wrap_rad(bin as f64 * BIN_RAD)).exp())
@@ -49,10 +42,7 @@ pub(super) fn headings(
         }
     }
     kept.into_iter()
-        .map(|bin| Heading {
-            heading_rad: wrap_rad((bin as f64 + vertex_of_parabola(&histogram, bin)) * BIN_RAD),
-            votes: worth[bin],
-        })
+        .map(|bin| wrap_rad((bin as f64 + vertex_of_parabola(&histogram, bin)) * BIN_RAD))
         .collect()
 }
 
@@ -107,9 +97,9 @@ mod tests {
         let (scan, room) = (walls_of(&[scan]), walls_of(&[room]));
         let found = headings(&scan, &room, |h| log_normal(h, 0.0, 1.0), 8);
         assert!(found.len() >= 4);
-        assert!((found[0].heading_rad - turn_rad).abs() < 0.01);
-        let quarter = |h: &Heading| {
-            let off = (h.heading_rad - turn_rad).rem_euclid(PI / 2.0);
+        assert!((found[0] - turn_rad).abs() < 0.01);
+        let quarter = |h: &f64| {
+            let off = (h - turn_rad).rem_euclid(PI / 2.0);
             off.min(PI / 2.0 - off) < 0.01
         };
         assert!(found[..4].iter().all(quarter));

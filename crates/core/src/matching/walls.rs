@@ -24,15 +24,13 @@ pub(super) struct Wall {
     pub normal: Point,
     pub length_m: f64,
     pub bearing_rad: f64,
-    /// Index of its polyline.
-    pub polyline: usize,
 }
 
 /// The sides of `polylines` that have a length, in order.
 pub(super) fn walls_of(polylines: &[Polyline]) -> Vec<Wall> {
     let mut walls = Vec::new();
-    for (polyline, sides) in polylines.iter().enumerate() {
-        for segment in sides.sides() {
+    for polyline in polylines {
+        for segment in polyline.sides() {
             if let Some(direction) = segment.direction() {
                 walls.push(Wall {
                     segment,
@@ -40,7 +38,6 @@ pub(super) fn walls_of(polylines: &[Polyline]) -> Vec<Wall> {
                     normal: direction.left(),
                     length_m: segment.length_m(),
                     bearing_rad: direction.bearing_rad(),
-                    polyline,
                 });
             }
         }

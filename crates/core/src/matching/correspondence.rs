@@ -1,0 +1,176 @@
+//! Which polylines belong together: costs of all pairs of groups, and the matching around an estimate.
+
+use super::cyclic::{Group, GroupCosts, GroupPair, LONGEST_GROUP, cyclic_matching};
+use super::induced::{PiecePair, induced_pose, piece_pairs};
+use super::information::{Information, PoseGaussian};
+use crate::geometry::{Polyline, Pose, wrap_rad};
+use crate::shape::{PartPair, Shape, similarity};
+
+/// Penalty C for a polyline that stays unmatched, rad².
+const PENALTY_RAD2: f64 = 0.03;
+/// Squared Mahalanobis distance at which the alignment of a 1-1 pair alone costs as much as leaving both unmatched:
+/// 99 % of true pairs lie below (χ² of 3 degrees of freedom).
+const FARTHEST_MAHALANOBIS2: f64 = 11.34;
+/// Polylines with a wider gap between them are not tried as one object, metres: a person or a pillar in front of a
+/// wall hides less.
+const WIDEST_GAP_M: f64 = 1.0;
+
+/// Polylines of the scan and of the reference that belong together; one of the two groups is a single polyline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Correspondence {
+    /// Indices of the scan's polylines, in order.
+    pub scan: Vec<usize>,
+    /// Indices of the reference's polylines, in order.
+    pub reference: Vec<usize>,
+    /// Which parts lie on which (`c`: scan, `d`: reference), by arc length. Along a group arc length runs on from one
+    /// polyline to the next, over a straight bridge between them.
+    pub parts: Vec<PartPair>,
+    /// The straight pieces that lie on each other, each in its own frame.
+    pub pieces: Vec<PiecePair>,
+    /// S, rad².
+    pub shape_cost_rad2: f64,
+    /// Cost of the difference between induced and estimated pose, on the scale of S.
+    pub alignment_cost_rad2: f64,
+    /// `reference_from_scan` as these polylines alone give it.
+    pub induced: PoseGaussian,
+}
+
+/// The estimate for the matching that belongs to a hypothesis: what refinement leaves open.
+pub(super) fn at_hypothesis(reference_from_scan: Pose) -> PoseGaussian {
+    PoseGaussian {
+        mean: reference_from_scan,
+        information: Information::from_sigmas(0.1, 0.1, 0.05),
+    }
+}
+
+/// All pairs of groups that are alike in shape, whatever the pose.
+pub(super) struct Candidates {
+    scan: usize,
+    reference: usize,
+    all: Vec<(Group, Group, Correspondence)>,
+}
+
+impl Candidates {
+    /// Compares all polylines, and all groups of neighbours with all polylines. `near` is where induced poses stay
+    /// along what they leave open.
+    pub fn new(scan: &[Polyline], reference: &[Polyline], near: Pose) -> Self {
+        let (scans, references) = (groups(scan, false), groups(reference, true));
+        let mut all = Vec::new();
+        for (group, shape) in &scans {
+            for (other, other_shape) in &references {
+                if group.len.min(other.len) > 1 {
+                    continue;
+                }
+                let limit_rad2 = PENALTY_RAD2 * (group.len + other.len) as f64;
+                let Some(found) = similarity(shape, other_shape, limit_rad2) else {
+                    continue;
+                };
+                let pieces = piece_pairs(shape, other_shape, &found.pairs);
+                if let Some(induced) = induced_pose(&pieces, near) {
+                    let correspondence = Correspondence {
+                        scan: group.indices(scan.len()).collect(),
+                        reference: other.indices(reference.len()).collect(),
+                        parts: found.pairs,
+                        pieces,
+                        shape_cost_rad2: found.cost_rad2,
+                        alignment_cost_rad2: 0.0,
+                        induced,
+                    };
+                    all.push((*group, *other, correspondence));
+                }
+            }
+        }
+        Self {
+            scan: scan.len(),
+            reference: reference.len(),
+            all,
+        }
+    }
+
+    /// Every pair that is alike in shape.
+    pub fn all(&self) -> impl Iterator<Item = &Correspondence> {
+        self.all.iter().map(|(_, _, c)| c)
+    }
+
+    /// The best matching whose induced poses agree with an estimate.
+    pub fn matching(&self, estimate: &PoseGaussian) -> Vec<Correspondence> {
+        let mut costs = GroupCosts::new(self.scan, self.reference);
+        for (scan, reference, c) in &self.all {
+            let alignment = alignment_cost_rad2(&c.induced, estimate);
+            let limit_rad2 = PENALTY_RAD2 * (scan.len + reference.len) as f64;
+            let cost = c.shape_cost_rad2 + alignment;
+            if cost < limit_rad2 {
+                costs.offer(GroupPair {
+                    scan: *scan,
+                    reference: *reference,
+                    cost,
+                });
+            }
+        }
+        let (pairs, _) = cyclic_matching(&costs, PENALTY_RAD2);
+        pairs
+            .into_iter()
+            .filter_map(|pair| {
+                let found = self.all.iter().find(|(s, r, _)| (*s, *r) == (pair.scan, pair.reference));
+                found.map(|(_, _, c)| Correspondence {
+                    alignment_cost_rad2: pair.cost - c.shape_cost_rad2,
+                    ..c.clone()
+                })
+            })
+            .collect()
+    }
+}
+
+/// The alignment term: squared Mahalanobis distance between induced and estimated pose, on the scale of C.
+fn alignment_cost_rad2(induced: &PoseGaussian, estimate: &PoseGaussian) -> f64 {
+    let turn_rad = wrap_rad(induced.mean.theta_rad - estimate.mean.theta_rad);
+    let scale = 2.0 * PENALTY_RAD2 / FARTHEST_MAHALANOBIS2;
+    // The heading alone is a lower bound, and spares most pairs the matrices.
+    let least = turn_rad * turn_rad * least_heading_information(induced, estimate);
+    if least > 4.0 * FARTHEST_MAHALANOBIS2 {
+        return scale * least;
+    }
+    scale * induced.mahalanobis2(estimate)
+}
+
+/// Information on the heading that is left when both are uncertain about it.
+fn least_heading_information(a: &PoseGaussian, b: &PoseGaussian) -> f64 {
+    let marginal = |g: &PoseGaussian| {
+        let m = g.information.rows();
+        let place = m[0][0] * m[1][1] - m[0][1] * m[0][1];
+        if place > 1e-9 * m[0][0] * m[1][1] && place > 0.0 {
+            let (u, v) = (m[0][2], m[1][2]);
+            m[2][2] - (u * u * m[1][1] - 2.0 * u * v * m[0][1] + v * v * m[0][0]) / place
+        } else {
+            // A wall: the offset takes up what its distance tells of the heading.
+            let across = m[0][0] + m[1][1];
+            m[2][2] - if across > 0.0 { (m[0][2] * m[0][2] + m[1][2] * m[1][2]) / across } else { 0.0 }
+        }
+    };
+    let (a, b) = (marginal(a).max(0.0), marginal(b).max(0.0));
+    if a + b > 0.0 { a * b / (a + b) } else { 0.0 }
+}
+
+/// Single polylines, and runs of neighbours with narrow gaps, joined.
+fn groups(polylines: &[Polyline], cyclic: bool) -> Vec<(Group, Shape)> {
+    let n = polylines.len();
+    let mut groups = Vec::new();
+    for first in 0..n {
+        for len in 1..=LONGEST_GROUP.min(n) {
+            if !cyclic && first + len > n {
+                break;
+            }
+            let run = || (0..len).map(|k| &polylines[(first + k) % n]);
+            if len > 1 {
+                let (before, last) = (&polylines[(first + len - 2) % n], &polylines[(first + len - 1) % n]);
+                if before.last().distance(last.first()) > WIDEST_GAP_M {
+                    break;
+                }
+            }
+            if let Some(shape) = Shape::joined(run()) {
+                groups.push((Group { first, len }, shape));
+            }
+        }
+    }
+    groups
+}
