@@ -3,11 +3,21 @@
 use super::cyclic::{Group, GroupCosts, GroupPair, LONGEST_GROUP, cyclic_matching};
 use super::induced::{PiecePair, induced_pose, piece_pairs};
 use super::information::{Information, PoseGaussian};
-use crate::geometry::{Polyline, Pose, wrap_rad};
+use crate::geometry::{Point, Polyline, Pose, wrap_rad};
 use crate::shape::{PartPair, Shape, similarity};
 
-/// Penalty C for a polyline that stays unmatched, rad².
-const PENALTY_RAD2: f64 = 0.03;
+/// Penalty C for a polyline that stays unmatched, rad². Half of the 95 % quantile of S of true pairs (0.037 to 0.041
+/// over the pairs of consecutive keyframes that overlap by 70 % at the reference pose, in four buildings): so 95 % of true pairs cost less
+/// than leaving both unmatched.
+const PENALTY_RAD2: f64 = 0.02;
+/// A single polyline shorter than this share of a group (with its bridges) cannot be the same object; it is tried
+/// against the members one by one.
+const LEAST_OF_GROUP: f64 = 0.5;
+/// Polylines compared to find poses, the longest. The paper met about 10 a scan; cluttered scans have 60, most
+/// of them shorter than a hand, and time grows with the square.
+const COMPARED: usize = 16;
+/// Polylines further apart than this at a known pose do not belong together, metres.
+const TOGETHER_M: f64 = 0.5;
 /// Squared Mahalanobis distance at which the alignment of a 1-1 pair alone costs as much as leaving both unmatched:
 /// 99 % of true pairs lie below (χ² of 3 degrees of freedom).
 const FARTHEST_MAHALANOBIS2: f64 = 11.34;
@@ -51,45 +61,62 @@ pub(super) struct Candidates {
 }
 
 impl Candidates {
-    /// Compares all polylines, and all groups of neighbours with all polylines. `near` is where induced poses stay
-    /// along what they leave open.
-    pub fn new(scan: &[Polyline], reference: &[Polyline], near: Pose) -> Self {
+    /// Compares the longest polylines, whatever their places. `near` is where induced poses stay along what
+    /// they leave open.
+    pub fn anywhere(scan: &[Polyline], reference: &[Polyline], near: Pose) -> Self {
+        Self::new(&longest(scan), &longest(reference), near, |_, _| true)
+    }
+
+    /// Compares all polylines that lie together at a pose.
+    pub fn at(reference_from_scan: Pose, scan: &[Polyline], reference: &[Polyline]) -> Self {
+        let moved: Vec<Polyline> = scan.iter().map(|p| p.transformed(reference_from_scan)).collect();
+        let together: Vec<bool> =
+            moved.iter().flat_map(|s| reference.iter().map(|r| lie_together(s, r))).collect();
+        Self::new(scan, reference, reference_from_scan, |s, r| together[s * reference.len() + r])
+    }
+
+    /// Compares polylines and groups all of whose pairs `may_pair` allows.
+    fn new(
+        scan: &[Polyline],
+        reference: &[Polyline],
+        near: Pose,
+        may_pair: impl Fn(usize, usize) -> bool,
+    ) -> Self {
+        let mut candidates = Self {
+            scan: scan.len(),
+            reference: reference.len(),
+            all: Vec::new(),
+        };
         let (scans, references) = (groups(scan, false), groups(reference, true));
-        let mut all = Vec::new();
-        for (group, shape) in &scans {
-            for (other, other_shape) in &references {
-                if group.len.min(other.len) > 1 {
-                    continue;
-                }
-                let limit_rad2 = PENALTY_RAD2 * (group.len + other.len) as f64;
-                let Some(found) = similarity(shape, other_shape, limit_rad2) else {
-                    continue;
-                };
-                let pieces = piece_pairs(shape, other_shape, &found.pairs);
-                if let Some(induced) = induced_pose(&pieces, near) {
-                    let correspondence = Correspondence {
-                        scan: group.indices(scan.len()).collect(),
-                        reference: other.indices(reference.len()).collect(),
-                        parts: found.pairs,
-                        pieces,
-                        shape_cost_rad2: found.cost_rad2,
-                        alignment_cost_rad2: 0.0,
-                        induced,
-                    };
-                    all.push((*group, *other, correspondence));
+        for one in &scans {
+            for other in &references {
+                let allowed = |s: usize| other.0.indices(reference.len()).all(|r| may_pair(s, r));
+                if may_be_one_object(one, other) && one.0.indices(scan.len()).all(allowed) {
+                    candidates.compare(one, other, near);
                 }
             }
         }
-        Self {
-            scan: scan.len(),
-            reference: reference.len(),
-            all,
-        }
+        candidates
     }
 
-    /// Every pair that is alike in shape.
-    pub fn all(&self) -> impl Iterator<Item = &Correspondence> {
-        self.all.iter().map(|(_, _, c)| c)
+    fn compare(&mut self, (scan, scan_shape): &(Group, Shape), (reference, shape): &(Group, Shape), near: Pose) {
+        let limit_rad2 = PENALTY_RAD2 * (scan.len + reference.len) as f64;
+        let Some(found) = similarity(scan_shape, shape, limit_rad2) else {
+            return;
+        };
+        let pieces = piece_pairs(scan_shape, shape, &found.pairs);
+        if let Some(induced) = induced_pose(&pieces, near) {
+            let correspondence = Correspondence {
+                scan: scan.indices(self.scan).collect(),
+                reference: reference.indices(self.reference).collect(),
+                parts: found.pairs,
+                pieces,
+                shape_cost_rad2: found.cost_rad2,
+                alignment_cost_rad2: 0.0,
+                induced,
+            };
+            self.all.push((*scan, *reference, correspondence));
+        }
     }
 
     /// The best matching whose induced poses agree with an estimate.
@@ -149,6 +176,34 @@ fn least_heading_information(a: &PoseGaussian, b: &PoseGaussian) -> f64 {
     };
     let (a, b) = (marginal(a).max(0.0), marginal(b).max(0.0));
     if a + b > 0.0 { a * b / (a + b) } else { 0.0 }
+}
+
+/// One of the two is a single polyline, and long enough to be all of the other.
+fn may_be_one_object((one, one_shape): &(Group, Shape), (other, other_shape): &(Group, Shape)) -> bool {
+    match (one.len, other.len) {
+        (1, 1) => true,
+        (1, _) => one_shape.length_m() >= LEAST_OF_GROUP * other_shape.length_m(),
+        (_, 1) => other_shape.length_m() >= LEAST_OF_GROUP * one_shape.length_m(),
+        _ => false,
+    }
+}
+
+/// The longest polylines, in their order.
+fn longest(polylines: &[Polyline]) -> Vec<Polyline> {
+    let mut order: Vec<usize> = (0..polylines.len()).collect();
+    order.sort_by(|&a, &b| polylines[b].length_m().total_cmp(&polylines[a].length_m()));
+    order.truncate(COMPARED);
+    order.sort_unstable();
+    order.into_iter().map(|k| polylines[k].clone()).collect()
+}
+
+/// Whether a vertex of one is near the other: of two polylines that lie on each other, one ends first.
+fn lie_together(a: &Polyline, b: &Polyline) -> bool {
+    let near = |vertices: &Polyline, sides: &Polyline| {
+        let near = |p: &Point| sides.sides().any(|side| side.distance(*p) < TOGETHER_M);
+        vertices.vertices().iter().any(near)
+    };
+    near(a, b) || near(b, a)
 }
 
 /// Single polylines, and runs of neighbours with narrow gaps, joined.

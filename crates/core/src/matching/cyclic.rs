@@ -77,7 +77,10 @@ impl GroupCosts {
 pub fn cyclic_matching(costs: &GroupCosts, penalty: f64) -> (Vec<GroupPair>, f64) {
     let none = penalty * (costs.scan + costs.reference) as f64;
     let mut best = (Vec::new(), none);
-    for cut in 0..costs.reference {
+    // A cut elsewhere gives the same matchings as the next one that starts a pair.
+    let starts_a_pair =
+        |cut: &usize| (0..costs.scan).any(|i| !costs.pairs[i * costs.reference + cut].is_empty());
+    for cut in (0..costs.reference).filter(starts_a_pair) {
         let table = Table::filled(costs, penalty, cut);
         let total = none + table.gain(0, 0);
         if total < best.1 - 1e-12 {

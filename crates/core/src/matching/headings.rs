@@ -13,7 +13,9 @@ const BINS: usize = 360;
 const BIN_RAD: f64 = TAU / BINS as f64;
 /// Headings nearer than this are one: what refinement brings together.
 const APART_BINS: usize = 6;
-/// A wall counts with its length up to this, metres, so that one long corridor wall does not outvote a room.
+/// A pair of walls counts with its shorter length squared, up to this length, metres. The direction of a wall of
+/// length l is known to σ ∝ l^−1.5, so that many short walls of clutter must not outvote one of a metre (by length alone
+/// they do: csail 96.5 % instead of 98.5 % of pairs with a heading within reach); and one long corridor wall must not outvote a room.
 const LONGEST_VOTE_M: f64 = 2.0;
 
 /// Up to `count` headings, best first. `log_prior` is added to the logarithm of the votes.
@@ -51,7 +53,8 @@ fn correlation(scan: &[Wall], reference: &[Wall]) -> Vec<f64> {
     let mut histogram = vec![0.0; BINS];
     for s in scan {
         for r in reference {
-            let weight = s.length_m.min(r.length_m).min(LONGEST_VOTE_M);
+            let shorter_m = s.length_m.min(r.length_m).min(LONGEST_VOTE_M);
+            let weight = shorter_m * shorter_m;
             let place = (r.bearing_rad - s.bearing_rad).rem_euclid(TAU) / BIN_RAD;
             let (bin, share) = (place as usize % BINS, place.fract());
             histogram[bin] += weight * (1.0 - share);

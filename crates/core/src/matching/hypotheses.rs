@@ -9,8 +9,8 @@ use super::votes::{Window, translations};
 use super::walls::{REACH_M, walls_of};
 use crate::geometry::{Point, Polyline, Pose, wrap_rad};
 
-/// Headings tried: the four of an orthogonal building, and two more for buildings with oblique walls.
-const HEADINGS: usize = 6;
+/// Headings tried: the four of an orthogonal building, and as many again for oblique walls and clutter.
+const HEADINGS: usize = 10;
 /// Places tried a heading.
 const PLACES: usize = 10;
 /// Poses refined, of those that look best unrefined.
@@ -115,7 +115,7 @@ fn fused<'a>(gaussians: impl Iterator<Item = &'a PoseGaussian>, near: Pose) -> P
 /// Those that look best before refinement.
 fn best_starts(starts: Vec<Pose>, judge: &Judge) -> Vec<Pose> {
     let mut judged: Vec<(f64, Pose)> =
-        starts.into_iter().map(|pose| (judge.verdict(pose, REACH_M).score, pose)).collect();
+        starts.into_iter().map(|pose| (judge.glance(pose, REACH_M), pose)).collect();
     judged.sort_by(|a, b| b.0.total_cmp(&a.0));
     judged.into_iter().take(REFINED).map(|(_, pose)| pose).collect()
 }

@@ -76,16 +76,24 @@ pub fn unmoved() -> PoseGaussian {
 #[must_use]
 pub fn match_polylines(scan: &[Polyline], reference: &[Polyline], estimate: &PoseGaussian) -> Matching {
     let judge = judge::Judge::new(scan, reference, *estimate);
-    let candidates = correspondence::Candidates::new(scan, reference, estimate.mean);
+    let candidates = correspondence::Candidates::anywhere(scan, reference, estimate.mean);
     let hypotheses = hypotheses::ranked(scan, estimate, &candidates, &judge);
     let correspondences = match hypotheses.first() {
-        Some(best) => candidates.matching(&correspondence::at_hypothesis(best.reference_from_scan)),
+        Some(best) => correspondences_at(scan, reference, best.reference_from_scan),
         None => Vec::new(),
     };
     Matching {
         correspondences,
         hypotheses,
     }
+}
+
+/// Which polylines belong together if the scan lies at a pose: the matching of [`cyclic`] among polylines that lie together,
+/// with induced poses that agree with it.
+#[must_use]
+pub fn correspondences_at(scan: &[Polyline], reference: &[Polyline], reference_from_scan: Pose) -> Vec<Correspondence> {
+    let candidates = correspondence::Candidates::at(reference_from_scan, scan, reference);
+    candidates.matching(&correspondence::at_hypothesis(reference_from_scan))
 }
 
 /// Refines and judges a pose that comes from elsewhere (the last motion going on, odometry), on the same scale as the
