@@ -5,59 +5,28 @@
 //! Reads CARMEN FLASER lines; the pose behind the ranges is taken as the truth to compare with and for nothing
 //! else. `--list` prints a line for each pair whose best hypothesis is wrong.
 
-use std::f64::consts::{FRAC_PI_2, PI};
-use std::io::BufRead as _;
+mod common;
+
 use std::time::Instant;
 
-use polymapper_core::extract::{ExtractSettings, extract};
-use polymapper_core::geometry::{Polyline, Pose, wrap_rad};
+use common::{Keyframe, read_keyframes};
+use polymapper_core::geometry::{Pose, wrap_rad};
 use polymapper_core::matching::{judged, match_polylines, unmoved};
-use polymapper_core::scan::{Scan, ScanGeometry};
 
 /// What counts as the right pose.
 const RIGHT: (f64, f64) = (0.25, 3.0);
 /// From where least squares on whole scans finds the right pose.
 const BASIN: (f64, f64) = (0.5, 10.0);
 
-struct Keyframe {
-    polylines: Vec<Polyline>,
-    pose: Pose,
-}
-
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> std::io::Result<()> {
     let list = std::env::args().any(|a| a == "--list");
-    let mut keyframes = Vec::new();
-    for line in std::io::stdin().lock().lines() {
-        keyframes.extend(read_flaser(&line?));
-    }
+    let keyframes = read_keyframes(std::io::stdin().lock())?;
     let mut tally = Tally::default();
     for (k, pair) in keyframes.windows(2).enumerate() {
         tally.add(k, &pair[0], &pair[1], list);
     }
     tally.print();
     Ok(())
-}
-
-/// `FLASER n r1..rn x y theta ..`; `None` for any other or broken line.
-fn read_flaser(line: &str) -> Option<Keyframe> {
-    let mut words = line.split_ascii_whitespace();
-    if words.next()? != "FLASER" {
-        return None;
-    }
-    let beams: usize = words.next()?.parse().ok()?;
-    let numbers: Vec<f64> = words.map_while(|w| w.parse().ok()).collect();
-    let (ranges_m, rest) = numbers.split_at_checked(beams)?;
-    let [x, y, theta_rad, ..] = *rest else {
-        return None;
-    };
-    let step_rad = if beams > 200 { PI / 360.0 } else { PI / 180.0 };
-    let geometry = ScanGeometry::new(-FRAC_PI_2, step_rad, beams).ok()?;
-    let scan = Scan::new(geometry, ranges_m.to_vec()).ok()?;
-    let extraction = extract(&scan, &ExtractSettings::default());
-    Some(Keyframe {
-        polylines: extraction.polylines.into_iter().map(|p| p.polyline).collect(),
-        pose: Pose::new(x, y, theta_rad),
-    })
 }
 
 #[derive(Default)]

@@ -185,7 +185,8 @@ impl WallGrid {
             }
             let along_m = from_a.dot(wall.direction);
             let beyond_m = (-along_m).max(along_m - wall.length_m).max(0.0);
-            let distance_m = offset_m.hypot(beyond_m);
+            let distance_m =
+                if beyond_m > 0.0 { (offset_m * offset_m + beyond_m * beyond_m).sqrt() } else { offset_m.abs() };
             if distance_m < best_m {
                 best_m = distance_m;
                 best = Some(Near {

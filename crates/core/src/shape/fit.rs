@@ -75,31 +75,39 @@ pub(super) struct Open {
     pub end: bool,
 }
 
-/// Lays span `c` on span `d`.
-pub(super) fn fit(c: Span<'_>, d: Span<'_>, open: Open) -> Fit {
+/// Lays span `c` on span `d`. What costs more than `budget` need not be told exactly, only to cost more.
+pub(super) fn fit(c: Span<'_>, d: Span<'_>, open: Open, budget: f64) -> Fit {
     if !open.start && !open.end {
-        return trimmed(c, c.part, d, d.part);
+        return trimmed(c, c.part, d, d.part, budget);
     }
     match (c.turns, d.turns) {
         (0, 0) => straight_on_straight(c, c.part, d, d.part),
-        (0, _) => best_side(d, open, |side| straight_on_straight(c, c.part, d, side)),
-        (_, 0) => best_side(c, open, |side| straight_on_straight(c, side, d, d.part)),
-        _ => turn_on_turn(c, d, open),
+        (0, _) => {
+            let on_side = straight_on_straight(c, c.part, d, longest_side(d, open));
+            cheaper(on_side, straight_on_straight(c, c.part, d, d.part))
+        }
+        (_, 0) => {
+            let on_side = straight_on_straight(c, longest_side(c, open), d, d.part);
+            cheaper(on_side, straight_on_straight(c, c.part, d, d.part))
+        }
+        _ => turn_on_turn(c, d, open, budget),
     }
 }
 
-fn cheaper(a: Option<Fit>, b: Fit) -> Option<Fit> {
-    match a {
-        Some(a) if a.cost <= b.cost => Some(a),
-        _ => Some(b),
-    }
+fn cheaper(a: Fit, b: Fit) -> Fit {
+    if a.cost <= b.cost { a } else { b }
 }
 
 /// S_a of two parts, and the price of what of either span lies outside.
-fn trimmed(c: Span<'_>, c_part: Part, d: Span<'_>, d_part: Part) -> Fit {
-    let matched = arc_dissimilarity(c.shape.tangent(), c_part, d.shape.tangent(), d_part);
+fn trimmed(c: Span<'_>, c_part: Part, d: Span<'_>, d_part: Part, budget: f64) -> Fit {
+    let price = unmatched(c, c_part) + unmatched(d, d_part);
+    let matched = if price > budget {
+        0.0
+    } else {
+        arc_dissimilarity(c.shape.tangent(), c_part, d.shape.tangent(), d_part)
+    };
     Fit {
-        cost: matched + unmatched(c, c_part) + unmatched(d, d_part),
+        cost: matched + price,
         c: c_part,
         d: d_part,
     }
@@ -124,8 +132,9 @@ fn straight_on_straight(c: Span<'_>, c_part: Part, d: Span<'_>, d_part: Part) ->
     }
 }
 
-/// A wall against a bent span: the other side of the corner may be out of sight.
-fn best_side(bent: Span<'_>, open: Open, mut fit_side: impl FnMut(Part) -> Fit) -> Fit {
+/// The part of a bent span that a wall lies on: the other sides of its corners may be out of sight. The longest side
+/// leaves least unmatched; only sides next to an open end can be had alone.
+fn longest_side(bent: Span<'_>, open: Open) -> Part {
     let side = |k: usize| {
         let from_m = if k == 0 { bent.part.from_m } else { bent.turn_m(k - 1) };
         let to_m = if k == bent.turns { bent.part.to_m } else { bent.turn_m(k) };
@@ -136,35 +145,34 @@ fn best_side(bent: Span<'_>, open: Open, mut fit_side: impl FnMut(Part) -> Fit) 
         Open { start: true, .. } => bent.turns..bent.turns + 1,
         Open { .. } => 0..1,
     };
-    let whole = fit_side(bent.part);
-    tried
-        .map(side)
-        .fold(Some(whole), |best, part| cheaper(best, fit_side(part)))
-        .unwrap_or(whole)
+    let longer = |a: Part, b: Part| if b.length_m() > a.length_m() { b } else { a };
+    tried.map(side).reduce(longer).unwrap_or(bent.part)
 }
 
 /// Two bent spans: surplus turns of one of them lie beyond the ends of the other, or are details inside.
-fn turn_on_turn(c: Span<'_>, d: Span<'_>, open: Open) -> Fit {
+fn turn_on_turn(c: Span<'_>, d: Span<'_>, open: Open, budget: f64) -> Fit {
     let surplus = c.turns.abs_diff(d.turns);
-    let inside = with_skips(c, d, open, 0, 0);
-    let mut best = Some(inside);
-    if surplus > 0 {
-        let mut try_start = |skipped: usize| {
-            best = cheaper(best, with_skips(c, d, open, skipped, surplus - skipped));
-        };
-        match open {
-            Open { start: true, end: true } if surplus <= SURPLUS_TRIED => (0..=surplus).for_each(try_start),
-            Open { start: true, end: true } => [0, surplus].into_iter().for_each(try_start),
-            Open { start: true, .. } => try_start(surplus),
-            Open { .. } => try_start(0),
-        }
+    let mut best = with_skips(c, d, open, (0, 0), budget);
+    if surplus == 0 {
+        return best;
     }
-    best.unwrap_or(inside)
+    let mut try_start = |skipped: usize| {
+        let skips = (skipped, surplus - skipped);
+        best = cheaper(best, with_skips(c, d, open, skips, budget.min(best.cost)));
+    };
+    match open {
+        Open { start: true, end: true } if surplus <= SURPLUS_TRIED => (0..=surplus).for_each(try_start),
+        Open { start: true, end: true } => [0, surplus].into_iter().for_each(try_start),
+        Open { start: true, .. } => try_start(surplus),
+        Open { .. } => try_start(0),
+    }
+    best
 }
 
 /// Trims the open ends so that both spans have the same length before their first counted turn and behind
 /// their last; the span with more turns leaves out some at its start and some at its end.
-fn with_skips(c: Span<'_>, d: Span<'_>, open: Open, at_start: usize, at_end: usize) -> Fit {
+fn with_skips(c: Span<'_>, d: Span<'_>, open: Open, skips: (usize, usize), budget: f64) -> Fit {
+    let (at_start, at_end) = skips;
     let c_has_more = c.turns >= d.turns;
     let skip = |has_more: bool, n: usize| if has_more { n } else { 0 };
     let (c_start, c_end) = (skip(c_has_more, at_start), skip(c_has_more, at_end));
@@ -180,5 +188,5 @@ fn with_skips(c: Span<'_>, d: Span<'_>, open: Open, at_start: usize, at_end: usi
         c_part.to_m = c.turn_m(c.turns - 1 - c_end) + tail_m;
         d_part.to_m = d.turn_m(d.turns - 1 - d_end) + tail_m;
     }
-    trimmed(c, c_part, d, d_part)
+    trimmed(c, c_part, d, d_part, budget)
 }

@@ -4,7 +4,8 @@
 //!
 //! A pair holds groups of consecutive arcs, one of them a single arc:
 //! `M[i][j] = min( min_{k≥1} M[i−1][j−k] + D(a_i, b_{j−k+1..j}), min_{k≥2} M[i−k][j−1] + D(a_{i−k+1..i}, b_j) )`.
-//! The first pair may start and the last may end anywhere: arcs before and behind are priced by their length.
+//! Occlusion cuts polylines, so at either end one of the two may have arcs that stay unmatched, priced by their length.
+//! Not both: where both go on, they have to go on alike.
 //! S is the sum over the mean length of the two shapes.
 
 use super::fit::{Fit, Open, Span, UNMATCHED_RAD2, fit};
@@ -95,9 +96,9 @@ impl<'a> Table<'a> {
 
     /// Tries the pair of the arcs between two cells as the first one and as a later one.
     fn extend(&mut self, before: (usize, usize), after: (usize, usize)) {
-        let before_first = self.price_before(before);
+        let first = (before.0 == 0 || before.1 == 0).then(|| self.price_before(before));
         let inner = self.inner[self.cell(before.0, before.1)].map(|s| s.total);
-        for (total, first) in [(Some(before_first), true), (inner, false)] {
+        for (total, first) in [(first, true), (inner, false)] {
             if let Some(total) = total.filter(|&t| t <= self.bound()) {
                 self.add(total, before, after, first);
             }
@@ -112,8 +113,8 @@ impl<'a> Table<'a> {
     fn add(&mut self, so_far: f64, before: (usize, usize), after: (usize, usize), first: bool) {
         let c = Span::of_arcs(self.c, before.0, after.0);
         let d = Span::of_arcs(self.d, before.1, after.1);
-        let step = |open: Open| {
-            let fit = fit(c, d, open);
+        let step = |open: Open, budget: f64| {
+            let fit = fit(c, d, open, budget);
             Step {
                 total: so_far + fit.cost,
                 before,
@@ -122,17 +123,20 @@ impl<'a> Table<'a> {
             }
         };
         let price_behind = self.price_behind(after);
-        if so_far + price_behind <= self.bound() {
-            let mut last = step(Open { start: first, end: true });
+        let (more_c, more_d) = (after.0 < self.c.arcs().len(), after.1 < self.d.arcs().len());
+        if !(more_c && more_d) && so_far + price_behind <= self.bound() {
+            let budget = self.bound() - so_far - price_behind;
+            let mut last = step(Open { start: first, end: true }, budget);
             last.total += price_behind;
             if last.total <= self.limit && self.last.is_none_or(|s| last.total < s.total) {
                 self.last = Some(last);
             }
         }
-        if after.0 < self.c.arcs().len() && after.1 < self.d.arcs().len() {
-            let inner = step(Open { start: first, end: false });
+        if more_c && more_d {
+            let bound = self.bound();
+            let inner = step(Open { start: first, end: false }, bound - so_far);
             let cell = self.cell(after.0, after.1);
-            if self.inner[cell].is_none_or(|s| inner.total < s.total) {
+            if inner.total <= bound && self.inner[cell].is_none_or(|s| inner.total < s.total) {
                 self.inner[cell] = Some(inner);
             }
         }
@@ -193,9 +197,11 @@ mod tests {
                     continue;
                 }
                 let spans = (Span::of_arcs(c, used.0, i), Span::of_arcs(d, used.1, j));
-                let cost = |end| fit(spans.0, spans.1, Open { start: first, end }).cost;
+                let cost = |end| fit(spans.0, spans.1, Open { start: first, end }, f64::INFINITY).cost;
                 let behind = c.length_m() - spans.0.part.to_m + d.length_m() - spans.1.part.to_m;
-                best = best.min(cost(true) + UNMATCHED_RAD2 * behind);
+                if i == n || j == m {
+                    best = best.min(cost(true) + UNMATCHED_RAD2 * behind);
+                }
                 best = best.min(cost(false) + exhaustive(c, d, (i, j), false));
             }
         }
@@ -204,7 +210,7 @@ mod tests {
         }
         let from_m = |s: &Shape, k: usize| s.arcs()[k].part.from_m;
         for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
-            if (i, j) != (0, 0) && used == (0, 0) {
+            if (i == 0 || j == 0) && (i, j) != (0, 0) && used == (0, 0) {
                 let before = UNMATCHED_RAD2 * (from_m(c, i) + from_m(d, j));
                 best = best.min(before + exhaustive_from(c, d, (i, j)));
             }
@@ -222,9 +228,11 @@ mod tests {
                     continue;
                 }
                 let spans = (Span::of_arcs(c, start.0, i), Span::of_arcs(d, start.1, j));
-                let cost = |end| fit(spans.0, spans.1, Open { start: true, end }).cost;
+                let cost = |end| fit(spans.0, spans.1, Open { start: true, end }, f64::INFINITY).cost;
                 let behind = c.length_m() - spans.0.part.to_m + d.length_m() - spans.1.part.to_m;
-                best = best.min(cost(true) + UNMATCHED_RAD2 * behind);
+                if i == c.arcs().len() || j == d.arcs().len() {
+                    best = best.min(cost(true) + UNMATCHED_RAD2 * behind);
+                }
                 best = best.min(cost(false) + exhaustive(c, d, (i, j), false));
             }
         }

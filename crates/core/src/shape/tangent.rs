@@ -164,6 +164,10 @@ fn ends_at_share(t: &TangentFunction, side: usize, part: Part, length_m: f64) ->
 /// 0 for parts without length.
 #[must_use]
 pub fn turning_variance_rad2(c: &TangentFunction, c_part: Part, d: &TangentFunction, d_part: Part) -> f64 {
+    let on_one_side = |t: &TangentFunction, p: Part| t.ends_m[t.side_at(p.from_m)] >= p.to_m;
+    if on_one_side(c, c_part) && on_one_side(d, d_part) {
+        return 0.0;
+    }
     let mut first_rad = None;
     let (mut mean, mut square) = (0.0, 0.0);
     common_stretches(c, c_part, d, d_part, |s| {
