@@ -4,9 +4,15 @@
 //! Data flows one way: scan → polylines → shape match → alignment → merge → map. This library knows no
 //! files, clock, printing or ROS.
 
+pub mod align;
 pub mod extract;
+mod finish;
 pub mod geometry;
+pub mod judge;
 pub mod map;
+pub mod mapper;
 pub mod matching;
+pub mod merge;
 pub mod scan;
 pub mod shape;
+mod side_points;
