@@ -50,7 +50,11 @@ impl Tally {
         let within = |pose: Pose, (m, deg): (f64, f64)| {
             pose.distance(truth) < m && wrap_rad(pose.theta_rad - truth.theta_rad).abs().to_degrees() < deg
         };
-        let poses: Vec<Pose> = matching.hypotheses.iter().map(|h| h.reference_from_scan).collect();
+        let poses: Vec<Pose> = matching
+            .hypotheses
+            .iter()
+            .map(|h| h.reference_from_scan)
+            .collect();
         let best = poses.first().copied();
         let right = best.is_some_and(|p| within(p, RIGHT));
         self.best_right += usize::from(right);
@@ -90,6 +94,10 @@ impl Tally {
             self.times_ms.get(place).copied().unwrap_or(f64::NAN)
         };
         let mean = self.times_ms.iter().sum::<f64>() / self.pairs.max(1) as f64;
-        println!("ms a pair: mean {mean:.2}, median {:.2}, 95 % {:.2}", quantile(0.5), quantile(0.95));
+        println!(
+            "ms a pair: mean {mean:.2}, median {:.2}, 95 % {:.2}",
+            quantile(0.5),
+            quantile(0.95)
+        );
     }
 }

@@ -21,7 +21,11 @@ fn main() -> std::io::Result<()> {
     let (mut of_true, mut of_false) = (Vec::new(), Vec::new());
     for pair in keyframes.windows(2) {
         let reference_from_scan = pair[0].pose.inverse() * pair[1].pose;
-        for c in pair[1].polylines.iter().map(|p| p.transformed(reference_from_scan)) {
+        for c in pair[1]
+            .polylines
+            .iter()
+            .map(|p| p.transformed(reference_from_scan))
+        {
             for d in &pair[0].polylines {
                 let share = share_on(&c, d);
                 if let Some(s) = cost_rad2(&c, d).filter(|_| c.length_m().min(d.length_m()) > SHORTEST_M) {
@@ -45,7 +49,11 @@ fn cost_rad2(c: &Polyline, d: &Polyline) -> Option<f64> {
 
 /// Share of the shorter polyline that lies on the longer one, facing the same way.
 fn share_on(a: &Polyline, b: &Polyline) -> f64 {
-    let (short, long) = if a.length_m() < b.length_m() { (a, b) } else { (b, a) };
+    let (short, long) = if a.length_m() < b.length_m() {
+        (a, b)
+    } else {
+        (b, a)
+    };
     let (mut on, mut all) = (0.0, 0.0);
     for side in short.sides() {
         let count = (side.length_m() / 0.05).ceil().max(1.0) as usize;
@@ -53,7 +61,10 @@ fn share_on(a: &Polyline, b: &Polyline) -> f64 {
             let point = side.at((k as f64 + 0.5) / count as f64);
             let faces = |other: Option<_>| side.direction().zip(other).is_some_and(|(a, b)| a.dot(b) > 0.8);
             all += 1.0;
-            on += f64::from(u8::from(long.sides().any(|s| s.distance(point) < NEAR_M && faces(s.direction()))));
+            on += f64::from(u8::from(
+                long.sides()
+                    .any(|s| s.distance(point) < NEAR_M && faces(s.direction())),
+            ));
         }
     }
     on / all
@@ -64,7 +75,10 @@ fn print(name: &str, mut costs: Vec<f64>) {
     print!("{name}, {} pairs:", costs.len());
     for percent in [5, 25, 50, 75, 90, 95, 99] {
         let place = costs.len() * percent / 100;
-        print!("  {percent} % {:.4}", costs.get(place).copied().unwrap_or(f64::NAN));
+        print!(
+            "  {percent} % {:.4}",
+            costs.get(place).copied().unwrap_or(f64::NAN)
+        );
     }
     println!();
 }

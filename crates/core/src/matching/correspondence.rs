@@ -1,9 +1,10 @@
 //! Which polylines belong together: costs of all pairs of groups, and the matching around an estimate.
 
 use super::cyclic::{Group, GroupCosts, GroupPair, LONGEST_GROUP, cyclic_matching};
+use super::gaussian::PoseGaussian;
 use super::induced::{PiecePair, induced_pose, piece_pairs};
-use super::information::{Information, PoseGaussian};
-use crate::geometry::{Point, Polyline, Pose, wrap_rad};
+use crate::align::Information;
+use crate::geometry::{Point, Polyline, Pose};
 use crate::shape::{PartPair, Shape, similarity};
 
 /// Penalty C for a polyline that stays unmatched, rad². Half of the 95 % quantile of S of true pairs (0.037 to 0.041
@@ -70,9 +71,13 @@ impl Candidates {
     /// Compares all polylines that lie together at a pose.
     pub fn at(reference_from_scan: Pose, scan: &[Polyline], reference: &[Polyline]) -> Self {
         let moved: Vec<Polyline> = scan.iter().map(|p| p.transformed(reference_from_scan)).collect();
-        let together: Vec<bool> =
-            moved.iter().flat_map(|s| reference.iter().map(|r| lie_together(s, r))).collect();
-        Self::new(scan, reference, reference_from_scan, |s, r| together[s * reference.len() + r])
+        let together: Vec<bool> = moved
+            .iter()
+            .flat_map(|s| reference.iter().map(|r| lie_together(s, r)))
+            .collect();
+        Self::new(scan, reference, reference_from_scan, |s, r| {
+            together[s * reference.len() + r]
+        })
     }
 
     /// Compares polylines and groups all of whose pairs `may_pair` allows.
@@ -99,7 +104,12 @@ impl Candidates {
         candidates
     }
 
-    fn compare(&mut self, (scan, scan_shape): &(Group, Shape), (reference, shape): &(Group, Shape), near: Pose) {
+    fn compare(
+        &mut self,
+        (scan, scan_shape): &(Group, Shape),
+        (reference, shape): &(Group, Shape),
+        near: Pose,
+    ) {
         let limit_rad2 = PENALTY_RAD2 * (scan.len + reference.len) as f64;
         let Some(found) = similarity(scan_shape, shape, limit_rad2) else {
             return;
@@ -138,7 +148,10 @@ impl Candidates {
         pairs
             .into_iter()
             .filter_map(|pair| {
-                let found = self.all.iter().find(|(s, r, _)| (*s, *r) == (pair.scan, pair.reference));
+                let found = self
+                    .all
+                    .iter()
+                    .find(|(s, r, _)| (*s, *r) == (pair.scan, pair.reference));
                 found.map(|(_, _, c)| Correspondence {
                     alignment_cost_rad2: pair.cost - c.shape_cost_rad2,
                     ..c.clone()
@@ -150,32 +163,7 @@ impl Candidates {
 
 /// The alignment term: squared Mahalanobis distance between induced and estimated pose, on the scale of C.
 fn alignment_cost_rad2(induced: &PoseGaussian, estimate: &PoseGaussian) -> f64 {
-    let turn_rad = wrap_rad(induced.mean.theta_rad - estimate.mean.theta_rad);
-    let scale = 2.0 * PENALTY_RAD2 / FARTHEST_MAHALANOBIS2;
-    // The heading alone is a lower bound, and spares most pairs the matrices.
-    let least = turn_rad * turn_rad * least_heading_information(induced, estimate);
-    if least > 4.0 * FARTHEST_MAHALANOBIS2 {
-        return scale * least;
-    }
-    scale * induced.mahalanobis2(estimate)
-}
-
-/// Information on the heading that is left when both are uncertain about it.
-fn least_heading_information(a: &PoseGaussian, b: &PoseGaussian) -> f64 {
-    let marginal = |g: &PoseGaussian| {
-        let m = g.information.rows();
-        let place = m[0][0] * m[1][1] - m[0][1] * m[0][1];
-        if place > 1e-9 * m[0][0] * m[1][1] && place > 0.0 {
-            let (u, v) = (m[0][2], m[1][2]);
-            m[2][2] - (u * u * m[1][1] - 2.0 * u * v * m[0][1] + v * v * m[0][0]) / place
-        } else {
-            // A wall: the offset takes up what its distance tells of the heading.
-            let across = m[0][0] + m[1][1];
-            m[2][2] - if across > 0.0 { (m[0][2] * m[0][2] + m[1][2] * m[1][2]) / across } else { 0.0 }
-        }
-    };
-    let (a, b) = (marginal(a).max(0.0), marginal(b).max(0.0));
-    if a + b > 0.0 { a * b / (a + b) } else { 0.0 }
+    2.0 * PENALTY_RAD2 / FARTHEST_MAHALANOBIS2 * induced.mahalanobis2(estimate)
 }
 
 /// One of the two is a single polyline, and long enough to be all of the other.
@@ -217,7 +205,10 @@ fn groups(polylines: &[Polyline], cyclic: bool) -> Vec<(Group, Shape)> {
             }
             let run = || (0..len).map(|k| &polylines[(first + k) % n]);
             if len > 1 {
-                let (before, last) = (&polylines[(first + len - 2) % n], &polylines[(first + len - 1) % n]);
+                let (before, last) = (
+                    &polylines[(first + len - 2) % n],
+                    &polylines[(first + len - 1) % n],
+                );
                 if before.last().distance(last.first()) > WIDEST_GAP_M {
                     break;
                 }

@@ -202,14 +202,28 @@ mod tests {
         best + penalty * (costs.scan + costs.reference) as f64
     }
 
-    fn grow(costs: &GroupCosts, penalty: f64, all: &[GroupPair], taken: &mut Vec<GroupPair>, gain: f64, best: &mut f64) {
+    fn grow(
+        costs: &GroupCosts,
+        penalty: f64,
+        all: &[GroupPair],
+        taken: &mut Vec<GroupPair>,
+        gain: f64,
+        best: &mut f64,
+    ) {
         *best = f64::min(*best, gain);
         let next = taken.last().map_or(0, |p| p.scan.first + p.scan.len);
         for pair in all.iter().filter(|p| p.scan.first >= next) {
             taken.push(*pair);
             if in_cyclic_order(taken, costs.reference) {
                 let matched = (pair.scan.len + pair.reference.len) as f64;
-                grow(costs, penalty, all, taken, gain + pair.cost - penalty * matched, best);
+                grow(
+                    costs,
+                    penalty,
+                    all,
+                    taken,
+                    gain + pair.cost - penalty * matched,
+                    best,
+                );
             }
             taken.pop();
         }
@@ -264,7 +278,10 @@ mod tests {
             reference: one(0),
             cost: 0.21,
         });
-        assert!(cyclic_matching(&costs, 0.1).0.is_empty(), "two penalties are cheaper");
+        assert!(
+            cyclic_matching(&costs, 0.1).0.is_empty(),
+            "two penalties are cheaper"
+        );
         assert_eq!(cyclic_matching(&costs, 0.11).0.len(), 1);
     }
 }

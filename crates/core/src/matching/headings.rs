@@ -30,7 +30,9 @@ pub(super) fn headings(
         .map(|bin| histogram[bin] * log_prior(wrap_rad(bin as f64 * BIN_RAD)).exp())
         .collect();
     let mut peaks: Vec<usize> = (0..BINS)
-        .filter(|&k| worth[k] > 0.0 && worth[k] >= worth[(k + 1) % BINS] && worth[k] > worth[(k + BINS - 1) % BINS])
+        .filter(|&k| {
+            worth[k] > 0.0 && worth[k] >= worth[(k + 1) % BINS] && worth[k] > worth[(k + BINS - 1) % BINS]
+        })
         .collect();
     peaks.sort_by(|&a, &b| worth[b].total_cmp(&worth[a]));
     let mut kept: Vec<usize> = Vec::new();
@@ -68,15 +70,28 @@ fn correlation(scan: &[Wall], reference: &[Wall]) -> Vec<f64> {
 fn smoothed(histogram: &[f64]) -> Vec<f64> {
     const KERNEL: [f64; 5] = [1.0, 2.0, 3.0, 2.0, 1.0];
     (0..BINS)
-        .map(|k| (0..5).map(|i| KERNEL[i] * histogram[(k + BINS + i - 2) % BINS]).sum::<f64>() / 9.0)
+        .map(|k| {
+            (0..5)
+                .map(|i| KERNEL[i] * histogram[(k + BINS + i - 2) % BINS])
+                .sum::<f64>()
+                / 9.0
+        })
         .collect()
 }
 
 /// Offset of the maximum from its bin, −½..½.
 fn vertex_of_parabola(histogram: &[f64], bin: usize) -> f64 {
-    let (before, here, after) = (histogram[(bin + BINS - 1) % BINS], histogram[bin], histogram[(bin + 1) % BINS]);
+    let (before, here, after) = (
+        histogram[(bin + BINS - 1) % BINS],
+        histogram[bin],
+        histogram[(bin + 1) % BINS],
+    );
     let bend = before - 2.0 * here + after;
-    if bend < 0.0 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 }
+    if bend < 0.0 {
+        (0.5 * (before - after) / bend).clamp(-0.5, 0.5)
+    } else {
+        0.0
+    }
 }
 
 /// Logarithm of a normal density of headings, without its constant; flat when nothing is known.

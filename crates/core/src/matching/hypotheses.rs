@@ -2,11 +2,12 @@
 
 use super::Hypothesis;
 use super::correspondence::{Candidates, Correspondence};
+use super::gaussian::PoseGaussian;
 use super::headings::{headings, log_normal};
-use super::information::{Information, PoseGaussian};
 use super::judge::{FIT_REACH_M, Judge};
 use super::votes::{Window, translations};
 use super::walls::{REACH_M, walls_of};
+use crate::align::Information;
 use crate::geometry::{Point, Polyline, Pose, wrap_rad};
 
 /// Headings tried: the four of an orthogonal building, and as many again for oblique walls and clutter.
@@ -15,6 +16,8 @@ const HEADINGS: usize = 10;
 const PLACES: usize = 10;
 /// Poses refined, of those that look best unrefined.
 const REFINED: usize = 30;
+/// Every which point is asked to choose those.
+const GLANCE_STEP: usize = 3;
 /// Poses handed on.
 const KEPT: usize = 12;
 /// Poses nearer than both of these are one.
@@ -22,8 +25,8 @@ const APART_M: f64 = 0.25;
 const APART_RAD: f64 = 5.0 * std::f64::consts::PI / 180.0;
 /// Error of a heading from the histograms, radians (6°), for the matching around it.
 const HEADING_SIGMA_RAD: f64 = 0.1;
-/// The farthest place looked for, metres from the estimate.
-const FARTHEST_M: f64 = 4.0;
+/// The farthest place looked for, metres from the estimate; bounds the grid of votes to 300 × 300 cells.
+const FARTHEST_M: f64 = 30.0;
 /// Standard deviation along a direction above which the place along it counts as not seen, metres: half the distance
 /// between hypotheses.
 const UNOBSERVABLE_M: f64 = 0.125;
@@ -41,7 +44,7 @@ pub(super) fn ranked(
 ) -> Vec<Hypothesis> {
     let mut starts = Vec::new();
     let scan_walls = walls_of(scan);
-    let heading_information = estimate.information.rows()[2][2];
+    let heading_information = estimate.information.rows[2][2];
     let log_prior = |h: f64| log_normal(h, estimate.mean.theta_rad, heading_information);
     for heading_rad in headings(&scan_walls, judge.grid.walls(), log_prior, HEADINGS) {
         let at_heading = around_heading(estimate, heading_rad);
@@ -58,14 +61,18 @@ pub(super) fn ranked(
 
 /// Three standard deviations of the estimate, within reason.
 fn window_m(information: &Information) -> f64 {
-    let rows = information.rows();
+    let rows = information.rows;
     let least = rows[0][0].min(rows[1][1]);
-    if least > 0.0 { (3.0 / least.sqrt()).min(FARTHEST_M) } else { FARTHEST_M }
+    if least > 0.0 {
+        (3.0 / least.sqrt()).min(FARTHEST_M)
+    } else {
+        FARTHEST_M
+    }
 }
 
 fn around_heading(estimate: &PoseGaussian, heading_rad: f64) -> PoseGaussian {
     let mean = estimate.mean;
-    let rows = estimate.information.rows();
+    let rows = estimate.information.rows;
     let sigma_m = |k: usize| 1.0 / rows[k][k].sqrt();
     PoseGaussian {
         mean: Pose::new(mean.x, mean.y, heading_rad),
@@ -80,7 +87,7 @@ fn agreeing(matching: &[Correspondence], estimate: &PoseGaussian, starts: &mut V
     let mut order: Vec<&Correspondence> = matching.iter().collect();
     order.sort_by(|a, b| length_m(b).total_cmp(&length_m(a)));
     for seed in order.iter().take(SEEDS) {
-        let mut pose = fused([&seed.induced, estimate].into_iter(), seed.induced.mean);
+        let mut pose = PoseGaussian::fused([&seed.induced, estimate], seed.induced.mean).mean;
         for _ in 0..2 {
             let agree = order.iter().map(|c| &c.induced).filter(|g| {
                 let widened = PoseGaussian {
@@ -89,33 +96,18 @@ fn agreeing(matching: &[Correspondence], estimate: &PoseGaussian, starts: &mut V
                 };
                 g.mahalanobis2(&widened) < AGREE_MAHALANOBIS2
             });
-            pose = fused(agree.chain([estimate]), pose);
+            pose = PoseGaussian::fused(agree.chain([estimate]), pose).mean;
         }
         starts.push(pose);
     }
 }
 
-/// The pose that several Gaussians give together, linearised at `near`.
-fn fused<'a>(gaussians: impl Iterator<Item = &'a PoseGaussian>, near: Pose) -> Pose {
-    let mut information = Information::NONE;
-    let mut gradient = [0.0; 3];
-    for g in gaussians {
-        information = information.plus(&g.information);
-        let error = g.error_of(near);
-        for (sum, pull) in gradient.iter_mut().zip(g.information.times(error)) {
-            *sum -= pull;
-        }
-    }
-    match information.solve(gradient) {
-        Some([dx, dy, dtheta]) => Pose::new(near.x + dx, near.y + dy, near.theta_rad + dtheta),
-        None => near,
-    }
-}
-
 /// Those that look best before refinement.
 fn best_starts(starts: Vec<Pose>, judge: &Judge) -> Vec<Pose> {
-    let mut judged: Vec<(f64, Pose)> =
-        starts.into_iter().map(|pose| (judge.glance(pose, REACH_M), pose)).collect();
+    let mut judged: Vec<(f64, Pose)> = starts
+        .into_iter()
+        .map(|pose| (judge.verdict(pose, REACH_M, GLANCE_STEP).score, pose))
+        .collect();
     judged.sort_by(|a, b| b.0.total_cmp(&a.0));
     judged.into_iter().take(REFINED).map(|(_, pose)| pose).collect()
 }
@@ -127,15 +119,15 @@ fn refined(starts: &[Pose], judge: &Judge) -> Vec<Hypothesis> {
 /// A pose refined and judged.
 pub(super) fn refined_one(start: Pose, judge: &Judge) -> Hypothesis {
     let gaussian = judge.refined(start);
-    let verdict = judge.verdict(gaussian.mean, FIT_REACH_M);
-    let (direction, sigma_m) = gaussian.information.weakest_direction();
+    let verdict = judge.verdict(gaussian.mean, FIT_REACH_M, 1);
+    let (direction, along) = gaussian.information.weakest_direction();
     Hypothesis {
         reference_from_scan: gaussian.mean,
         information: gaussian.information,
         explained_ratio: verdict.explained,
         contradicted_ratio: verdict.contradicted,
         score: verdict.score,
-        unobservable: (sigma_m > UNOBSERVABLE_M).then_some(direction),
+        unobservable: (along * UNOBSERVABLE_M * UNOBSERVABLE_M < 1.0).then_some(direction),
     }
 }
 
@@ -147,7 +139,10 @@ fn distinct(mut all: Vec<Hypothesis>) -> Vec<Hypothesis> {
         if kept.len() >= KEPT {
             break;
         }
-        if kept.iter().all(|k| are_apart(k.reference_from_scan, hypothesis.reference_from_scan)) {
+        if kept
+            .iter()
+            .all(|k| are_apart(k.reference_from_scan, hypothesis.reference_from_scan))
+        {
             kept.push(hypothesis);
         }
     }

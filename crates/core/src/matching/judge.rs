@@ -4,16 +4,18 @@
 //! that one view looked through where the other saw a wall. Both views are taken from the origins of their frames.
 //! Refinement is a few rounds of least squares of points on lines, and tells what the walls leave open.
 
+use super::gaussian::PoseGaussian;
 use super::induced::{INDEPENDENT_WALL_M, WALL_SIGMA_M};
-use super::information::{Information, PoseGaussian};
 use super::outline::{Outline, Seen};
 use super::walls::{REACH_M, Sample, WallGrid, samples_of, walls_of};
+use crate::align::Information;
 use crate::geometry::{Point, Polyline, Pose};
 
 /// Points on the walls of each side; at 40 m of wall in sight, one every 0.3 m.
 const SAMPLES: usize = 140;
-/// A piece that was looked through speaks as loudly against a pose as a fitting one speaks for it.
-const CONTRADICTION_WEIGHT: f64 = 1.0;
+/// A metre that was looked through speaks as loudly against a pose as a fitting one speaks for it; the share of contradicted
+/// wall is of both sides' wall, about twice the scan's.
+const CONTRADICTION_WEIGHT: f64 = 2.0;
 /// Reach of a fit once a pose is refined, metres; the gap at which the paper calls two things two.
 pub(super) const FIT_REACH_M: f64 = 0.2;
 /// Reach of each round of refinement, metres.
@@ -30,6 +32,14 @@ pub(super) struct Verdict {
     pub score: f64,
 }
 
+/// Lengths of wall, metres.
+#[derive(Clone, Copy, Debug, Default)]
+struct Lengths {
+    all_m: f64,
+    explained_m: f64,
+    through_m: f64,
+}
+
 /// Both sides, ready to be laid on each other many times.
 pub(super) struct Judge {
     scan: Vec<Sample>,
@@ -37,19 +47,17 @@ pub(super) struct Judge {
     pub grid: WallGrid,
     scan_outline: Outline,
     reference_outline: Outline,
-    scan_m: f64,
-    reference_m: f64,
     estimate: PoseGaussian,
 }
 
 impl Judge {
     pub fn new(scan: &[Polyline], reference: &[Polyline], estimate: PoseGaussian) -> Self {
         let (scan_walls, reference_walls) = (walls_of(scan), walls_of(reference));
-        let total = |samples: &[Sample]| samples.iter().map(weight_of).sum::<f64>().max(1e-9);
-        let (scan, reference) = (samples_of(&scan_walls, SAMPLES), samples_of(&reference_walls, SAMPLES));
+        let (scan, reference) = (
+            samples_of(&scan_walls, SAMPLES),
+            samples_of(&reference_walls, SAMPLES),
+        );
         Self {
-            scan_m: total(&scan),
-            reference_m: total(&reference),
             scan,
             reference,
             scan_outline: Outline::new(&scan_walls),
@@ -59,29 +67,21 @@ impl Judge {
         }
     }
 
-    /// The score of a pose from every third point alone, to choose the poses worth refining.
-    pub fn glance(&self, pose: Pose, reach_m: f64) -> f64 {
-        let every = |samples: &[Sample]| samples.iter().step_by(3).map(|s| s.length_m).sum::<f64>().max(1e-9);
-        let (scan_m, reference_m) = (every(&self.scan), every(&self.reference));
-        let (explained_m, scan_through_m) = self.scan_on_reference(pose, reach_m, 3);
-        let through_m = scan_through_m + self.reference_seen_through(pose.inverse(), 3);
-        explained_m / scan_m - CONTRADICTION_WEIGHT * 2.0 * through_m / (scan_m + reference_m) + self.prior(pose)
-    }
-
-    /// Judges a pose; fits count within `reach_m`.
-    pub fn verdict(&self, pose: Pose, reach_m: f64) -> Verdict {
-        let (explained_m, scan_through_m) = self.scan_on_reference(pose, reach_m, 1);
-        let reference_through_m = self.reference_seen_through(pose.inverse(), 1);
-        let explained = explained_m / self.scan_m;
-        let contradicted = (scan_through_m + reference_through_m) / (self.scan_m + self.reference_m);
+    /// Judges a pose by every `step`-th point; fits count within `reach_m`.
+    pub fn verdict(&self, pose: Pose, reach_m: f64, step: usize) -> Verdict {
+        let on_reference = self.scan_on_reference(pose, reach_m, step);
+        let in_view = self.reference_in_view(pose.inverse(), step);
+        let explained = on_reference.explained_m / on_reference.all_m.max(1e-9);
+        let contradicted =
+            (on_reference.through_m + in_view.through_m) / (on_reference.all_m + in_view.all_m).max(1e-9);
         Verdict {
             explained,
             contradicted,
-            score: explained - CONTRADICTION_WEIGHT * 2.0 * contradicted + self.prior(pose),
+            score: explained - CONTRADICTION_WEIGHT * contradicted + self.prior(pose),
         }
     }
 
-    /// The best a pose of this verdict can be read as, for settings that look only at fit.
+    /// What the estimate says against a pose: a weak word, for walls that fit alike in two places.
     fn prior(&self, pose: Pose) -> f64 {
         // A deviation of three standard deviations costs as much as a tenth of the walls.
         const COST_AT_3_SIGMA: f64 = 0.1;
@@ -89,40 +89,44 @@ impl Judge {
         -COST_AT_3_SIGMA / 9.0 * self.estimate.information.quadratic(error)
     }
 
-    fn scan_on_reference(&self, pose: Pose, reach_m: f64, step: usize) -> (f64, f64) {
-        let (sin, cos) = pose.theta_rad.sin_cos();
-        let turn = |v: Point| Point::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
-        let (mut explained_m, mut through_m) = (0.0, 0.0);
+    fn scan_on_reference(&self, pose: Pose, reach_m: f64, step: usize) -> Lengths {
+        let turn = turning(pose);
+        let mut lengths = Lengths::default();
         for sample in self.scan.iter().step_by(step) {
             let point = turn(sample.point) + pose.translation();
+            lengths.all_m += sample.length_m;
             match self.grid.nearest(point, turn(sample.normal), reach_m) {
                 Some(near) => {
                     let share = near.distance_m / reach_m;
-                    explained_m += weight_of(sample) * (1.0 - share * share);
+                    lengths.explained_m += sample.length_m * (1.0 - share * share);
                 }
-                None if self.reference_outline.seen(point) == Seen::Through => through_m += weight_of(sample),
+                None if self.reference_outline.seen(point) == Seen::Through => {
+                    lengths.through_m += sample.length_m;
+                }
                 None => {}
             }
         }
-        (explained_m, through_m)
+        lengths
     }
 
-    fn reference_seen_through(&self, scan_from_reference: Pose, step: usize) -> f64 {
-        let (sin, cos) = scan_from_reference.theta_rad.sin_cos();
-        let shift = scan_from_reference.translation();
-        let through = |sample: &&Sample| {
-            let p = sample.point;
-            let point = Point::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y) + shift;
-            self.scan_outline.seen(point) == Seen::Through
-        };
-        self.reference.iter().step_by(step).filter(through).map(weight_of).sum()
+    fn reference_in_view(&self, scan_from_reference: Pose, step: usize) -> Lengths {
+        let turn = turning(scan_from_reference);
+        let mut lengths = Lengths::default();
+        for sample in self.reference.iter().step_by(step) {
+            let point = turn(sample.point) + scan_from_reference.translation();
+            lengths.all_m += sample.length_m;
+            if self.scan_outline.seen(point) == Seen::Through {
+                lengths.through_m += sample.length_m;
+            }
+        }
+        lengths
     }
 
     /// Least squares of the scan's points on the reference's lines, the nearest that faces the same way each time.
     pub fn refined(&self, start: Pose) -> PoseGaussian {
         let mut gaussian = PoseGaussian {
             mean: start,
-            information: Information::NONE,
+            information: Information::default(),
         };
         for reach_m in ROUNDS_M {
             let (information, gradient) = self.normal_equations(gaussian.mean, reach_m);
@@ -139,9 +143,8 @@ impl Judge {
     }
 
     fn normal_equations(&self, pose: Pose, reach_m: f64) -> (Information, [f64; 3]) {
-        let (sin, cos) = pose.theta_rad.sin_cos();
-        let turn = |v: Point| Point::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
-        let mut information = Information::NONE;
+        let turn = turning(pose);
+        let mut information = Information::default();
         let mut gradient = [0.0; 3];
         for sample in &self.scan {
             let turned = turn(sample.point);
@@ -154,7 +157,7 @@ impl Judge {
             let measurements = sample.length_m / INDEPENDENT_WALL_M;
             let weight = (1.0 - share * share).powi(2) * measurements / (WALL_SIGMA_M * WALL_SIGMA_M);
             let jacobian = [normal.x, normal.y, normal.dot(turned.left())];
-            information.add(jacobian, weight);
+            information.add_residual(jacobian, weight);
             for (g, j) in gradient.iter_mut().zip(jacobian) {
                 *g -= weight * j * near.offset_m;
             }
@@ -163,7 +166,8 @@ impl Judge {
     }
 }
 
-/// What a sample counts.
-fn weight_of(sample: &Sample) -> f64 {
-    sample.length_m
+/// Turns vectors like the pose does; sine and cosine are taken once.
+fn turning(pose: Pose) -> impl Fn(Point) -> Point {
+    let (sin, cos) = pose.theta_rad.sin_cos();
+    move |v| Point::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y)
 }

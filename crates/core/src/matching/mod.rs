@@ -17,9 +17,9 @@
 
 pub mod cyclic;
 pub mod induced;
-pub mod information;
 
 mod correspondence;
+mod gaussian;
 mod headings;
 mod hypotheses;
 mod judge;
@@ -27,10 +27,11 @@ mod outline;
 mod votes;
 mod walls;
 
+use crate::align::Information;
 use crate::geometry::{Point, Polyline, Pose};
 pub use correspondence::Correspondence;
+pub use gaussian::PoseGaussian;
 pub use induced::{PiecePair, induced_pose};
-pub use information::{Information, PoseGaussian};
 
 /// A pose and what speaks for it.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,7 +92,11 @@ pub fn match_polylines(scan: &[Polyline], reference: &[Polyline], estimate: &Pos
 /// Which polylines belong together if the scan lies at a pose: the matching of [`cyclic`] among polylines that lie together,
 /// with induced poses that agree with it.
 #[must_use]
-pub fn correspondences_at(scan: &[Polyline], reference: &[Polyline], reference_from_scan: Pose) -> Vec<Correspondence> {
+pub fn correspondences_at(
+    scan: &[Polyline],
+    reference: &[Polyline],
+    reference_from_scan: Pose,
+) -> Vec<Correspondence> {
     let candidates = correspondence::Candidates::at(reference_from_scan, scan, reference);
     candidates.matching(&correspondence::at_hypothesis(reference_from_scan))
 }
@@ -101,4 +106,168 @@ pub fn correspondences_at(scan: &[Polyline], reference: &[Polyline], reference_f
 #[must_use]
 pub fn judged(scan: &[Polyline], reference: &[Polyline], estimate: &PoseGaussian, start: Pose) -> Hypothesis {
     hypotheses::refined_one(start, &judge::Judge::new(scan, reference, *estimate))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::wrap_rad;
+
+    fn polyline(points: &[(f64, f64)]) -> Polyline {
+        Polyline::new(points.iter().map(|&(x, y)| Point::new(x, y)).collect()).unwrap()
+    }
+
+    fn seen_from(world: &[Polyline], reference_from_scan: Pose) -> Vec<Polyline> {
+        world
+            .iter()
+            .map(|p| p.transformed(reference_from_scan.inverse()))
+            .collect()
+    }
+
+    /// A room with a cupboard and a door to the right; the scanner stands at the origin.
+    fn room() -> Vec<Polyline> {
+        vec![
+            polyline(&[(-2.0, -3.0), (0.5, -3.0)]),
+            polyline(&[(1.5, -3.0), (4.0, -3.0), (4.0, 1.0)]),
+            polyline(&[
+                (4.0, 1.2),
+                (4.0, 2.5),
+                (1.0, 2.5),
+                (1.0, 2.0),
+                (-0.5, 2.0),
+                (-0.5, 2.5),
+                (-2.0, 2.5),
+            ]),
+        ]
+    }
+
+    fn is_near(pose: Pose, truth: Pose) -> bool {
+        pose.distance(truth) < 0.05 && wrap_rad(pose.theta_rad - truth.theta_rad).abs() < 0.02
+    }
+
+    #[test]
+    fn a_metre_and_a_large_turn_are_found_without_odometry() {
+        for (x, y, turn_deg) in [
+            (1.0, 0.2, 20.0_f64),
+            (-0.6, 0.8, -50.0),
+            (0.7, -0.9, 80.0),
+            (0.0, 0.0, -80.0),
+        ] {
+            let truth = Pose::new(x, y, turn_deg.to_radians());
+            let matching = match_polylines(&seen_from(&room(), truth), &room(), &unmoved());
+            let best = &matching.hypotheses[0];
+            assert!(is_near(best.reference_from_scan, truth), "{truth:?}: {best:?}");
+            assert!(best.unobservable.is_none() && best.explained_ratio > 0.95);
+            let pairs: Vec<_> = matching
+                .correspondences
+                .iter()
+                .map(|c| (c.scan.clone(), c.reference.clone()))
+                .collect();
+            assert_eq!(
+                pairs,
+                [(vec![0], vec![0]), (vec![1], vec![1]), (vec![2], vec![2])]
+            );
+        }
+    }
+
+    #[test]
+    fn a_wall_cut_in_two_is_matched_as_one() {
+        let truth = Pose::new(0.5, 0.3, 0.4);
+        let mut cut = room();
+        cut[1] = polyline(&[(1.5, -3.0), (4.0, -3.0), (4.0, -1.5)]);
+        cut.insert(2, polyline(&[(4.0, -1.2), (4.0, 1.0)]));
+        let matching = match_polylines(&seen_from(&cut, truth), &room(), &unmoved());
+        assert!(is_near(matching.hypotheses[0].reference_from_scan, truth));
+        let of_wall: Vec<usize> = matching
+            .correspondences
+            .iter()
+            .filter(|c| c.reference == [1])
+            .flat_map(|c| c.scan.clone())
+            .collect();
+        assert_eq!(of_wall, [1, 2], "both pieces belong to the wall");
+    }
+
+    #[test]
+    fn a_corridor_tells_nothing_along_itself_and_says_so() {
+        let corridor = [
+            polyline(&[(-6.0, -1.0), (6.0, -1.0)]),
+            polyline(&[(6.0, 1.0), (-6.0, 1.0)]),
+        ];
+        let truth = Pose::new(0.8, 0.3, 0.35);
+        let matching = match_polylines(&seen_from(&corridor, truth), &corridor, &unmoved());
+        let best = &matching.hypotheses[0];
+        let along = best.unobservable.unwrap();
+        assert!(along.y.abs() < 0.01, "{along:?}");
+        assert!((best.reference_from_scan.y - truth.y).abs() < 0.02);
+        assert!((best.reference_from_scan.theta_rad - truth.theta_rad).abs() < 0.01);
+    }
+
+    #[test]
+    fn a_room_without_a_mark_leaves_its_other_heading_among_the_hypotheses() {
+        let hall = [polyline(&[
+            (3.0, -2.0),
+            (3.0, 2.0),
+            (-3.0, 2.0),
+            (-3.0, -2.0),
+            (2.9, -2.0),
+        ])];
+        let truth = Pose::new(0.4, 0.1, 1.5);
+        let matching = match_polylines(&seen_from(&hall, truth), &hall, &unmoved());
+        let twin = Pose::new(0.0, 0.0, std::f64::consts::PI) * truth;
+        let has = |pose| {
+            matching
+                .hypotheses
+                .iter()
+                .any(|h| is_near(h.reference_from_scan, pose))
+        };
+        assert!(has(truth) && has(twin), "{:?}", matching.hypotheses);
+    }
+
+    #[test]
+    fn the_estimate_decides_where_shape_cannot() {
+        let hall = [polyline(&[
+            (3.0, -2.0),
+            (3.0, 2.0),
+            (-3.0, 2.0),
+            (-3.0, -2.0),
+            (2.9, -2.0),
+        ])];
+        for turn_rad in [0.3, 0.3 + std::f64::consts::PI] {
+            let truth = Pose::new(0.4, 0.1, turn_rad);
+            let estimate = PoseGaussian {
+                mean: Pose::new(0.0, 0.0, turn_rad + 0.2),
+                information: Information::from_sigmas(1.0, 1.0, 0.5),
+            };
+            let matching = match_polylines(&seen_from(&hall, truth), &hall, &estimate);
+            assert!(
+                is_near(matching.hypotheses[0].reference_from_scan, truth),
+                "{turn_rad}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_place_far_off_is_found_when_the_estimate_allows_it() {
+        let truth = Pose::new(7.0, -5.0, 2.5);
+        let anywhere = PoseGaussian {
+            mean: Pose::IDENTITY,
+            information: Information::from_sigmas(5.0, 5.0, f64::INFINITY),
+        };
+        let matching = match_polylines(&seen_from(&room(), truth), &room(), &anywhere);
+        assert!(
+            is_near(matching.hypotheses[0].reference_from_scan, truth),
+            "{:?}",
+            matching.hypotheses[0]
+        );
+    }
+
+    #[test]
+    fn nothing_to_match_gives_nothing() {
+        for (scan, reference) in [(vec![], room()), (room(), vec![]), (vec![], vec![])] {
+            let matching = match_polylines(&scan, &reference, &unmoved());
+            assert!(matching.hypotheses.is_empty() && matching.correspondences.is_empty());
+        }
+        let dot = vec![polyline(&[(1.0, 1.0), (1.0, 1.0)])];
+        assert!(match_polylines(&dot, &dot, &unmoved()).hypotheses.is_empty());
+    }
 }

@@ -42,7 +42,11 @@ impl Outline {
             let (a, b) = (wall.segment.a.bearing_rad(), wall.segment.b.bearing_rad());
             // The way round that is shorter: a side spans less than half a turn.
             let turn_rad = crate::geometry::wrap_rad(b - a);
-            let (from_rad, span_rad) = if turn_rad >= 0.0 { (a, turn_rad) } else { (b, -turn_rad) };
+            let (from_rad, span_rad) = if turn_rad >= 0.0 {
+                (a, turn_rad)
+            } else {
+                (b, -turn_rad)
+            };
             let first = (from_rad / BIN_RAD).floor();
             let count = ((from_rad + span_rad) / BIN_RAD).floor() - first;
             for k in 0..=count as usize {
@@ -57,7 +61,13 @@ impl Outline {
         }
         let around = |k: usize| ranges_m[(k + BINS - 1) % BINS].min(ranges_m[(k + 1) % BINS]);
         let near_m = (0..BINS)
-            .map(|k| if ranges_m[k].is_finite() { ranges_m[k].min(around(k)) } else { f64::INFINITY })
+            .map(|k| {
+                if ranges_m[k].is_finite() {
+                    ranges_m[k].min(around(k))
+                } else {
+                    f64::INFINITY
+                }
+            })
             .collect();
         Self { ranges_m, near_m }
     }
@@ -93,7 +103,10 @@ mod tests {
         assert_eq!(outline.seen(Point::new(-1.0, 0.01)), Seen::Through);
         assert_eq!(outline.seen(Point::new(-3.1, -0.01)), Seen::Expected);
         assert_eq!(outline.seen(Point::new(0.0, 5.0)), Seen::Hidden);
-        assert!((0..360).all(|d| outline.seen(Point::from_polar(1.0, f64::from(d).to_radians())) == Seen::Through));
+        assert!(
+            (0..360)
+                .all(|d| outline.seen(Point::from_polar(1.0, f64::from(d).to_radians())) == Seen::Through)
+        );
     }
 
     #[test]

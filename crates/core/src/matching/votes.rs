@@ -75,9 +75,15 @@ impl Votes {
         let axis = |p: Point| if along_x { (p.x, p.y) } else { (p.y, p.x) };
         let ((start, start_across), (slope, across)) = (axis(line), axis(wall.direction));
         let (step_m, across) = (CELL_M / slope, across / slope);
-        let (low, high) = if slope > 0.0 { (from_m, to_m) } else { (to_m, from_m) };
+        let (low, high) = if slope > 0.0 {
+            (from_m, to_m)
+        } else {
+            (to_m, from_m)
+        };
         let first = ((start + slope * low) / CELL_M).ceil().max(0.0) as usize;
-        let last = ((start + slope * high) / CELL_M).floor().min(self.cells as f64 - 1.0);
+        let last = ((start + slope * high) / CELL_M)
+            .floor()
+            .min(self.cells as f64 - 1.0);
         if last < 0.0 {
             return;
         }
@@ -109,7 +115,10 @@ impl Votes {
                 break;
             }
             let (column, row) = (cell as i64 % n, cell as i64 / n);
-            if kept.iter().all(|&(c, r)| (c - column).abs().max((r - row).abs()) > APART_CELLS) {
+            if kept
+                .iter()
+                .all(|&(c, r)| (c - column).abs().max((r - row).abs()) > APART_CELLS)
+            {
                 kept.push((column, row));
                 let place = self.origin + Point::new(column as f64, row as f64) * CELL_M;
                 peaks.push((place, self.votes[cell]));

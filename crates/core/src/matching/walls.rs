@@ -96,8 +96,12 @@ pub(super) struct WallGrid {
 impl WallGrid {
     pub fn new(walls: Vec<Wall>) -> Self {
         let ends = || walls.iter().flat_map(|w| [w.segment.a, w.segment.b]);
-        let low = ends().fold(Point::new(f64::MAX, f64::MAX), |m, p| Point::new(m.x.min(p.x), m.y.min(p.y)));
-        let high = ends().fold(Point::new(f64::MIN, f64::MIN), |m, p| Point::new(m.x.max(p.x), m.y.max(p.y)));
+        let low = ends().fold(Point::new(f64::MAX, f64::MAX), |m, p| {
+            Point::new(m.x.min(p.x), m.y.min(p.y))
+        });
+        let high = ends().fold(Point::new(f64::MIN, f64::MIN), |m, p| {
+            Point::new(m.x.max(p.x), m.y.max(p.y))
+        });
         let origin = low - Point::new(REACH_M, REACH_M);
         let size = high - low + Point::new(2.0 * REACH_M, 2.0 * REACH_M);
         let cell_m = CELL_M.max(size.x.max(size.y) / MOST_CELLS_A_SIDE);
@@ -185,8 +189,11 @@ impl WallGrid {
             }
             let along_m = from_a.dot(wall.direction);
             let beyond_m = (-along_m).max(along_m - wall.length_m).max(0.0);
-            let distance_m =
-                if beyond_m > 0.0 { (offset_m * offset_m + beyond_m * beyond_m).sqrt() } else { offset_m.abs() };
+            let distance_m = if beyond_m > 0.0 {
+                (offset_m * offset_m + beyond_m * beyond_m).sqrt()
+            } else {
+                offset_m.abs()
+            };
             if distance_m < best_m {
                 best_m = distance_m;
                 best = Some(Near {
@@ -222,15 +229,23 @@ mod tests {
         let grid = WallGrid::new(walls.clone());
         let mut found = 0;
         for _ in 0..3000 {
-            let (point, normal) = (Point::new(next(9.0), next(9.0)), Point::from_polar(1.0, next(3.0)));
+            let (point, normal) = (
+                Point::new(next(9.0), next(9.0)),
+                Point::from_polar(1.0, next(3.0)),
+            );
             let naive = walls
                 .iter()
                 .filter(|w| w.normal.dot(normal) >= SAME_FACING)
                 .map(|w| w.segment.distance(point))
                 .filter(|&d| d < REACH_M)
                 .fold(f64::INFINITY, f64::min);
-            let fast = grid.nearest(point, normal, REACH_M).map_or(f64::INFINITY, |n| n.distance_m);
-            assert!(fast.to_bits() == naive.to_bits() || (fast - naive).abs() < 1e-9, "{fast} {naive}");
+            let fast = grid
+                .nearest(point, normal, REACH_M)
+                .map_or(f64::INFINITY, |n| n.distance_m);
+            assert!(
+                fast.to_bits() == naive.to_bits() || (fast - naive).abs() < 1e-9,
+                "{fast} {naive}"
+            );
             found += usize::from(fast.is_finite());
         }
         assert!(found > 100);
@@ -239,6 +254,9 @@ mod tests {
     #[test]
     fn no_walls_are_no_trouble() {
         let grid = WallGrid::new(Vec::new());
-        assert!(grid.nearest(Point::default(), Point::new(1.0, 0.0), REACH_M).is_none());
+        assert!(
+            grid.nearest(Point::default(), Point::new(1.0, 0.0), REACH_M)
+                .is_none()
+        );
     }
 }

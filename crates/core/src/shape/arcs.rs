@@ -112,13 +112,24 @@ mod tests {
         let bends: Vec<Bend> = pilaster.iter().map(|a| a.bend).collect();
         assert_eq!(bends, [Bend::Left, Bend::Right, Bend::Left]);
         assert_eq!(pilaster[1].turns, 2..4);
-        assert!((pilaster[1].part.from_m - 2.25).abs() < 1e-12, "the side is shared");
+        assert!(
+            (pilaster[1].part.from_m - 2.25).abs() < 1e-12,
+            "the side is shared"
+        );
         assert!((pilaster[2].part.to_m - 6.0).abs() < 1e-12);
     }
 
     #[test]
     fn reading_backwards_gives_the_same_arcs() {
-        let mut points = vec![(0., 0.), (2., 0.), (2.3, 0.5), (3., 0.2), (3.5, 1.5), (5., 1.), (6., 0.5)];
+        let mut points = vec![
+            (0., 0.),
+            (2., 0.),
+            (2.3, 0.5),
+            (3., 0.2),
+            (3.5, 1.5),
+            (5., 1.),
+            (6., 0.5),
+        ];
         let forwards = arcs(&points);
         points.reverse();
         let backwards = arcs(&points);

@@ -136,12 +136,23 @@ fn straight_on_straight(c: Span<'_>, c_part: Part, d: Span<'_>, d_part: Part) ->
 /// leaves least unmatched; only sides next to an open end can be had alone.
 fn longest_side(bent: Span<'_>, open: Open) -> Part {
     let side = |k: usize| {
-        let from_m = if k == 0 { bent.part.from_m } else { bent.turn_m(k - 1) };
-        let to_m = if k == bent.turns { bent.part.to_m } else { bent.turn_m(k) };
+        let from_m = if k == 0 {
+            bent.part.from_m
+        } else {
+            bent.turn_m(k - 1)
+        };
+        let to_m = if k == bent.turns {
+            bent.part.to_m
+        } else {
+            bent.turn_m(k)
+        };
         Part::new(from_m, to_m)
     };
     let tried = match open {
-        Open { start: true, end: true } => 0..bent.turns + 1,
+        Open {
+            start: true,
+            end: true,
+        } => 0..bent.turns + 1,
         Open { start: true, .. } => bent.turns..bent.turns + 1,
         Open { .. } => 0..1,
     };
@@ -161,8 +172,14 @@ fn turn_on_turn(c: Span<'_>, d: Span<'_>, open: Open, budget: f64) -> Fit {
         best = cheaper(best, with_skips(c, d, open, skips, budget.min(best.cost)));
     };
     match open {
-        Open { start: true, end: true } if surplus <= SURPLUS_TRIED => (0..=surplus).for_each(try_start),
-        Open { start: true, end: true } => [0, surplus].into_iter().for_each(try_start),
+        Open {
+            start: true,
+            end: true,
+        } if surplus <= SURPLUS_TRIED => (0..=surplus).for_each(try_start),
+        Open {
+            start: true,
+            end: true,
+        } => [0, surplus].into_iter().for_each(try_start),
         Open { start: true, .. } => try_start(surplus),
         Open { .. } => try_start(0),
     }

@@ -117,6 +117,9 @@ impl Shape {
         let (a, b) = (*self.vertices.get(side)?, *self.vertices.get(side + 1)?);
         let share = |s_m: f64| ((s_m - whole.from_m) / whole.length_m()).clamp(0.0, 1.0);
         let side = Segment::new(a, b);
-        Some(Segment::new(side.at(share(part.from_m)), side.at(share(part.to_m))))
+        Some(Segment::new(
+            side.at(share(part.from_m)),
+            side.at(share(part.to_m)),
+        ))
     }
 }

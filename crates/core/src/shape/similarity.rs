@@ -126,7 +126,13 @@ impl<'a> Table<'a> {
         let (more_c, more_d) = (after.0 < self.c.arcs().len(), after.1 < self.d.arcs().len());
         if !(more_c && more_d) && so_far + price_behind <= self.bound() {
             let budget = self.bound() - so_far - price_behind;
-            let mut last = step(Open { start: first, end: true }, budget);
+            let mut last = step(
+                Open {
+                    start: first,
+                    end: true,
+                },
+                budget,
+            );
             last.total += price_behind;
             if last.total <= self.limit && self.last.is_none_or(|s| last.total < s.total) {
                 self.last = Some(last);
@@ -134,7 +140,13 @@ impl<'a> Table<'a> {
         }
         if more_c && more_d {
             let bound = self.bound();
-            let inner = step(Open { start: first, end: false }, bound - so_far);
+            let inner = step(
+                Open {
+                    start: first,
+                    end: false,
+                },
+                bound - so_far,
+            );
             let cell = self.cell(after.0, after.1);
             if inner.total <= bound && self.inner[cell].is_none_or(|s| inner.total < s.total) {
                 self.inner[cell] = Some(inner);
@@ -278,7 +290,14 @@ mod tests {
         let wall = shape(&[(0.0, 0.0), (6.0, 0.0)]);
         let part = shape(&[(0.0, 0.0), (2.0, 0.0)]);
         let corner = shape(&[(0.0, 0.0), (2.0, 0.0), (2.0, 2.0)]);
-        let pillar = shape(&[(0., 0.), (0.3, 0.), (0.3, -0.3), (0.6, -0.3), (0.6, 0.), (0.9, 0.)]);
+        let pillar = shape(&[
+            (0., 0.),
+            (0.3, 0.),
+            (0.3, -0.3),
+            (0.6, -0.3),
+            (0.6, 0.),
+            (0.9, 0.),
+        ]);
         let same = s(&wall, &wall).cost_rad2;
         let parts = s(&wall, &part).cost_rad2;
         assert!(same < 1e-12 && parts > same && parts <= UNMATCHED_RAD2);
@@ -289,7 +308,15 @@ mod tests {
     #[test]
     fn one_arc_lies_on_several_that_noise_made_of_it() {
         let bow = shape(&[(0., 0.), (1., 0.1), (2., 0.5), (3., 1.2), (3.5, 2.0)]);
-        let dented = shape(&[(0., 0.), (1., 0.1), (1.5, 0.37), (1.6, 0.32), (2., 0.5), (3., 1.2), (3.5, 2.0)]);
+        let dented = shape(&[
+            (0., 0.),
+            (1., 0.1),
+            (1.5, 0.37),
+            (1.6, 0.32),
+            (2., 0.5),
+            (3., 1.2),
+            (3.5, 2.0),
+        ]);
         let other = shape(&[(0., 0.), (1., -0.1), (2., -0.5), (3., -1.2), (3.5, -2.0)]);
         assert!(s(&bow, &dented).cost_rad2 < 0.2 * s(&bow, &other).cost_rad2);
     }

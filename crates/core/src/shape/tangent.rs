@@ -94,7 +94,9 @@ impl TangentFunction {
     /// The side on which the arc length `s_m` lies (the later one at a vertex).
     #[must_use]
     pub fn side_at(&self, s_m: f64) -> usize {
-        self.ends_m.partition_point(|&end| end <= s_m).min(self.sides() - 1)
+        self.ends_m
+            .partition_point(|&end| end <= s_m)
+            .min(self.sides() - 1)
     }
 }
 
@@ -193,7 +195,8 @@ mod tests {
     use super::*;
 
     fn tangent(points: &[(f64, f64)]) -> TangentFunction {
-        TangentFunction::of_vertices(&points.iter().map(|&(x, y)| Point::new(x, y)).collect::<Vec<_>>()).unwrap()
+        TangentFunction::of_vertices(&points.iter().map(|&(x, y)| Point::new(x, y)).collect::<Vec<_>>())
+            .unwrap()
     }
 
     fn whole(t: &TangentFunction) -> Part {
@@ -209,13 +212,16 @@ mod tests {
             at(c, cp) - at(d, dp)
         };
         let differences: Vec<f64> = (0..n).map(difference).collect();
-        let integral = |theta: f64| {
-            differences.iter().map(|x| (x + theta).powi(2)).sum::<f64>() / f64::from(n)
-        };
+        let integral =
+            |theta: f64| differences.iter().map(|x| (x + theta).powi(2)).sum::<f64>() / f64::from(n);
         let (mut low, mut high) = (-20.0, 20.0);
         for _ in 0..200 {
             let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
-            if integral(a) < integral(b) { high = b } else { low = a }
+            if integral(a) < integral(b) {
+                high = b
+            } else {
+                low = a
+            }
         }
         integral(0.5 * (low + high))
     }
@@ -224,7 +230,16 @@ mod tests {
     fn the_closed_form_is_the_definition() {
         let step = tangent(&[(0.0, 0.0), (1.0, 0.0), (1.0, 0.5), (2.0, 0.9)]);
         let corner = tangent(&[(0.0, 0.0), (0.3, 1.0), (-1.0, 1.2)]);
-        let spiral = tangent(&[(0., 0.), (3., 0.), (3., 3.), (0., 3.), (0., 1.), (2., 1.), (2., 2.), (1., 2.)]);
+        let spiral = tangent(&[
+            (0., 0.),
+            (3., 0.),
+            (3., 3.),
+            (0., 3.),
+            (0., 1.),
+            (2., 1.),
+            (2., 2.),
+            (1., 2.),
+        ]);
         for (c, d) in [(&step, &corner), (&corner, &spiral), (&spiral, &step)] {
             for (cp, dp) in [
                 (whole(c), whole(d)),
@@ -238,7 +253,12 @@ mod tests {
 
     #[test]
     fn the_same_shape_elsewhere_costs_nothing() {
-        let corner = Polyline::new(vec![Point::new(0.0, 0.0), Point::new(2.0, 0.1), Point::new(2.1, 3.0)]).unwrap();
+        let corner = Polyline::new(vec![
+            Point::new(0.0, 0.0),
+            Point::new(2.0, 0.1),
+            Point::new(2.1, 3.0),
+        ])
+        .unwrap();
         for k in 0..8 {
             // Some of these turn a side across ±180°, where a bearing jumps.
             let pose = crate::geometry::Pose::new(1.0, -2.0, f64::from(k) * 0.8);
@@ -259,6 +279,9 @@ mod tests {
         assert!((cost - 2.0 * (PI / 4.0).powi(2)).abs() < 1e-12, "{cost}");
         let longer = tangent(&[(0.0, 0.0), (3.0, 0.0)]);
         let dearer = arc_dissimilarity(&corner, whole(&corner), &longer, whole(&longer));
-        assert!((dearer - 2.5 * 2.0 * (PI / 4.0).powi(2)).abs() < 1e-12, "{dearer}");
+        assert!(
+            (dearer - 2.5 * 2.0 * (PI / 4.0).powi(2)).abs() < 1e-12,
+            "{dearer}"
+        );
     }
 }
