@@ -20,6 +20,9 @@ pub const WALL_SIGMA_M: f64 = 0.03;
 /// Length of wall that counts as one independent measurement, metres. Errors of neighbouring beams go together
 /// (bias of range, skirting, the fit), so that more beams a metre do not make a better metre.
 pub const INDEPENDENT_WALL_M: f64 = 0.25;
+/// A wall counts as no more than this length of it, metres. Its place and direction are off by what no number of
+/// beams averages out (bow, skirting, the fit); otherwise two corridor walls that are parallel to 2° would seem to fix the place along them.
+pub const WALL_WORTH_M: f64 = 0.5;
 /// Pieces whose heading difference is further than this from the mean one do not lie on each other: a corner
 /// that arc lengths put a little too early or late.
 const SAME_HEADING_RAD: f64 = 20.0 * std::f64::consts::PI / 180.0;
@@ -46,6 +49,12 @@ impl PiecePair {
     pub fn length_m(&self) -> f64 {
         self.scan.length_m().min(self.reference.length_m())
     }
+}
+
+/// How many independent measurements a wall of this length is worth.
+#[must_use]
+pub fn measurements(length_m: f64) -> f64 {
+    length_m.min(WALL_WORTH_M) / INDEPENDENT_WALL_M
 }
 
 /// The straight pieces that a correspondence of parts lays on each other.
@@ -108,7 +117,7 @@ fn add_piece(piece: &PiecePair, pose: Pose, information: &mut Information, gradi
     let length_m = piece.length_m();
     let middle = piece.scan.at(0.5);
     let along = piece.scan.direction().unwrap_or_default() * (length_m / 12f64.sqrt());
-    let weight = 0.5 * length_m / (INDEPENDENT_WALL_M * WALL_SIGMA_M * WALL_SIGMA_M);
+    let weight = 0.5 * measurements(length_m) / (WALL_SIGMA_M * WALL_SIGMA_M);
     for q in [middle + along, middle - along] {
         let turned = pose.rotate(q);
         let residual_m = normal.dot(turned + pose.translation() - piece.reference.a);

@@ -5,7 +5,7 @@
 //! Refinement is a few rounds of least squares of points on lines, and tells what the walls leave open.
 
 use super::gaussian::PoseGaussian;
-use super::induced::{INDEPENDENT_WALL_M, WALL_SIGMA_M};
+use super::induced::WALL_SIGMA_M;
 use super::outline::{Outline, Seen};
 use super::walls::{REACH_M, Sample, WallGrid, samples_of, walls_of};
 use crate::align::Information;
@@ -154,8 +154,7 @@ impl Judge {
             };
             let normal = self.grid.walls()[near.wall].normal;
             let share = near.distance_m / reach_m;
-            let measurements = sample.length_m / INDEPENDENT_WALL_M;
-            let weight = (1.0 - share * share).powi(2) * measurements / (WALL_SIGMA_M * WALL_SIGMA_M);
+            let weight = (1.0 - share * share).powi(2) * sample.measurements / (WALL_SIGMA_M * WALL_SIGMA_M);
             let jacobian = [normal.x, normal.y, normal.dot(turned.left())];
             information.add_residual(jacobian, weight);
             for (g, j) in gradient.iter_mut().zip(jacobian) {

@@ -3,6 +3,7 @@
 //! In: polylines. Out: the nearest side that faces a given way. A grid over the sides makes a look-up cheap:
 //! a match asks some ten thousand times.
 
+use super::induced::measurements;
 use crate::geometry::{Point, Polyline, Segment};
 
 /// Sides closer than this are found, metres: hypotheses start within a cell of votes (0.2 m) and a degree or
@@ -51,6 +52,8 @@ pub(super) struct Sample {
     pub point: Point,
     pub normal: Point,
     pub length_m: f64,
+    /// How many independent measurements it is worth.
+    pub measurements: f64,
 }
 
 /// Evenly spaced points on the walls, about `count` of them and at least one a wall.
@@ -60,8 +63,10 @@ pub(super) fn samples_of(walls: &[Wall], count: usize) -> Vec<Sample> {
     let mut samples = Vec::with_capacity(count + walls.len());
     for wall in walls {
         let pieces = (wall.length_m / spacing_m).ceil().max(1.0);
+        let worth = measurements(wall.length_m) / pieces;
         for k in 0..pieces as usize {
             samples.push(Sample {
+                measurements: worth,
                 point: wall.segment.at((k as f64 + 0.5) / pieces),
                 normal: wall.normal,
                 length_m: wall.length_m / pieces,
