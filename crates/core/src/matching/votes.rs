@@ -9,7 +9,7 @@ use crate::geometry::{Point, Pose, wrap_rad};
 
 /// Size of a cell, metres: the error of direction of a wall (1° to 2°) at a few metres.
 const CELL_M: f64 = 0.2;
-/// Walls that differ by more than this do not run alike, cos 8°: the error of direction of a side of 0.4 m (4°)
+/// Walls that differ by more than this do not run alike: the error of direction of a side of 0.4 m (4°)
 /// twice.
 const ALIKE_RAD: f64 = 8.0 * std::f64::consts::PI / 180.0;
 /// A pair's vote grows with its overlap up to this, metres. Beyond it the vote is flat, so that sliding along

@@ -5,7 +5,7 @@
 //! 1. A polyline is cut into maximal convex arcs, bent to the left or to the right ([`arcs`]).
 //! 2. Two arcs are compared in tangent space, the step function of direction over arc length ([`tangent`]):
 //!    `S_a(C, D) = (1 + (l_C − l_D)²) · min_Θ ∫₀¹ (T_C(s) − T_D(s) + Θ)² ds`.
-//! 3. Dynamic programming finds the best correspondence of arcs, 1-1, 1-many and many-1 ([`similarity`]).
+//! 3. Dynamic programming finds the best correspondence of arcs, 1-1, 1-many and many-1 ([`mod@similarity`]).
 //!
 //! Neither place nor heading enters: those are for the matching of whole scans.
 //!

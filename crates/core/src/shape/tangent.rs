@@ -218,9 +218,9 @@ mod tests {
         for _ in 0..200 {
             let (a, b) = (low + (high - low) / 3.0, high - (high - low) / 3.0);
             if integral(a) < integral(b) {
-                high = b
+                high = b;
             } else {
-                low = a
+                low = a;
             }
         }
         integral(0.5 * (low + high))
