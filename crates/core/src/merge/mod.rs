@@ -9,16 +9,14 @@ pub(crate) mod growing_map;
 mod link;
 pub(crate) mod overlap;
 mod sharp;
-mod sight;
+pub(crate) mod sight;
 mod simulate;
 mod splice;
 
 use growing_map::GrowingMap;
 use simulate::ScanPoint;
 
-use crate::extract::ScanPolyline;
-use crate::geometry::Pose;
-use crate::scan::Scan;
+use crate::keyframe::Keyframe;
 
 /// How scans are merged.
 #[derive(Clone, Copy, Debug)]
@@ -68,21 +66,20 @@ pub struct MergeReport {
     pub seen_through: usize,
 }
 
-/// Merges the polylines of a scan; `number` counts the merges.
+/// Merges the polylines of a keyframe; `number` counts the keyframes.
 pub(crate) fn merge(
     map: &mut GrowingMap,
-    scan: &Scan,
-    polylines: &[ScanPolyline],
-    map_from_scan: Pose,
+    keyframe: &Keyframe,
     number: u32,
     settings: &MergeSettings,
 ) -> MergeReport {
+    let Keyframe { scan, polylines, map_from_scan, .. } = keyframe;
     let mut report = MergeReport::default();
     for polyline in polylines {
-        let points = simulate::scan_points(polyline, scan.geometry(), map_from_scan, settings.spacing_m);
+        let points = simulate::scan_points(polyline, scan.geometry(), *map_from_scan, settings.spacing_m);
         thread(map, &points, settings, &mut report);
     }
-    report.seen_through = sight::clear_sight(map, scan, map_from_scan, number, settings);
+    report.seen_through = sight::clear_sight(map, scan, *map_from_scan, number, settings);
     map.refresh_skeletons(settings.skeleton_sigma_m);
     report
 }

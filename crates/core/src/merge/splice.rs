@@ -6,7 +6,7 @@
 //! and map part ways (an open door), the map's branch becomes a polyline of its own.
 
 use super::MergeSettings;
-use super::growing_map::{GrowingMap, Vertex};
+use super::growing_map::{Evidence, GrowingMap, Vertex};
 use super::link::{Link, Run};
 use super::sharp::without_sharp_vertices;
 use super::simulate::ScanPoint;
@@ -63,7 +63,7 @@ pub(crate) fn splice(map: &mut GrowingMap, runs: &[Run], settings: &MergeSetting
 impl Chain<'_> {
     fn push(&mut self, run: &Run, is_first: bool) -> bool {
         let (Some(slot), Some((from, to))) = (run.slot, run.reach()) else {
-            self.vertices.extend(run.points.iter().map(|(p, _)| p.vertex));
+            self.extend_apart(run.points.iter().map(|(p, _)| p.vertex));
             return true;
         };
         let Some(old) = self.map.polyline(slot) else { return true };
@@ -79,19 +79,29 @@ impl Chain<'_> {
                 let between = old.get(upto.floor() as usize + 1..before_run).unwrap_or(&[]);
                 self.branch(between);
                 self.taken[k].upto = to;
+                self.extend_apart(merged(old, run, self.settings));
             }
             None => {
                 let head = &old[..before_run.min(old.len())];
                 if is_first {
                     self.vertices.extend_from_slice(head);
+                    self.vertices.extend(merged(old, run, self.settings));
                 } else {
                     self.branch(head);
+                    self.extend_apart(merged(old, run, self.settings));
                 }
                 self.taken.push(Taken { slot, upto: to });
             }
         }
-        self.vertices.extend(merged(old, run, self.settings));
         true
+    }
+
+    /// Adds vertices that were not neighbours of the last one in the map: the side to them is new.
+    fn extend_apart(&mut self, vertices: impl IntoIterator<Item = Vertex>) {
+        if let Some(last) = self.vertices.last_mut() {
+            last.onward = Evidence::of(1);
+        }
+        self.vertices.extend(vertices);
     }
 
     fn finish(&mut self, ends_on_map: bool) {
@@ -146,7 +156,14 @@ fn merged(old: &[Vertex], run: &Run, settings: &MergeSettings) -> Vec<Vertex> {
         }
     }
     out.sort_by(|a, b| a.0.total_cmp(&b.0));
-    out.into_iter().map(|(_, v)| v).collect()
+    let mut out: Vec<Vertex> = out.into_iter().map(|(_, v)| v).collect();
+    // The scan saw every side between two vertices of the stretch.
+    let hits = run.points.iter().map(|(p, _)| p.vertex.hits).min().unwrap_or(1);
+    let inner = out.len().saturating_sub(1);
+    for vertex in &mut out[..inner] {
+        vertex.onward.hits += hits;
+    }
+    out
 }
 
 fn around<'a>(old: &'a [Vertex], link: &Link) -> (&'a Vertex, &'a Vertex) {
@@ -157,7 +174,7 @@ fn around<'a>(old: &'a [Vertex], link: &Link) -> (&'a Vertex, &'a Vertex) {
 /// A vertex on the side between two others, resting on as much as the weaker of them.
 fn between(a: &Vertex, b: &Vertex, point: Point) -> Vertex {
     let weaker = if a.hits <= b.hits { a } else { b };
-    Vertex { point, ..*weaker }
+    Vertex { point, onward: a.onward, ..*weaker }
 }
 
 /// The point of the scan closest to map vertex `v` (number `at`), among the sides between the scan points that are
