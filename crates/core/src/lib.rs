@@ -4,6 +4,7 @@
 //! Data flows one way: scan → polylines → shape match → alignment → merge → map. This library knows no
 //! files, clock, printing or ROS.
 
+pub mod align;
 pub mod extract;
 pub mod geometry;
 pub mod map;

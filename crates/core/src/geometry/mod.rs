@@ -9,9 +9,11 @@ mod point;
 mod polyline;
 mod pose;
 mod segment;
+mod side_grid;
 
 pub use angle::wrap_rad;
 pub use point::Point;
 pub use polyline::{Polyline, PolylineError};
 pub use pose::Pose;
 pub use segment::Segment;
+pub(crate) use side_grid::{Foot, Near, Side, SideGrid};

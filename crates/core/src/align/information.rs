@@ -1,0 +1,162 @@
+//! Symmetric 3×3 matrices over (x, y, θ): information and covariance of a pose.
+
+use crate::geometry::Point;
+
+/// Information (inverse covariance) of a pose: x and y in metres, θ in radians, all in the frame and about the
+/// origin that the holder says.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Information {
+    /// Row by row; symmetric.
+    pub rows: [[f64; 3]; 3],
+}
+
+impl Information {
+    /// Independent standard deviations turned into information.
+    #[must_use]
+    pub fn from_sigmas(x_m: f64, y_m: f64, theta_rad: f64) -> Self {
+        let mut rows = [[0.0; 3]; 3];
+        for (k, sigma) in [x_m, y_m, theta_rad].into_iter().enumerate() {
+            rows[k][k] = 1.0 / (sigma * sigma);
+        }
+        Self { rows }
+    }
+
+    /// Adds `weight · j jᵀ`, the information of one residual with Jacobian `j`.
+    pub fn add_residual(&mut self, j: [f64; 3], weight: f64) {
+        for (row, a) in self.rows.iter_mut().zip(j) {
+            for (cell, b) in row.iter_mut().zip(j) {
+                *cell += weight * a * b;
+            }
+        }
+    }
+
+    /// The sum of two independent pieces of information.
+    #[must_use]
+    pub fn plus(mut self, other: &Self) -> Self {
+        for (row, add) in self.rows.iter_mut().zip(other.rows) {
+            for (cell, a) in row.iter_mut().zip(add) {
+                *cell += a;
+            }
+        }
+        self
+    }
+
+    /// Every entry multiplied.
+    #[must_use]
+    pub fn scaled(mut self, factor: f64) -> Self {
+        self.rows.iter_mut().flatten().for_each(|cell| *cell *= factor);
+        self
+    }
+
+    /// jᵀ · self · j.
+    #[must_use]
+    pub fn quadratic(&self, j: [f64; 3]) -> f64 {
+        let times = self.times(j);
+        (0..3).map(|k| times[k] * j[k]).sum()
+    }
+
+    /// self · v.
+    #[must_use]
+    pub fn times(&self, v: [f64; 3]) -> [f64; 3] {
+        self.rows.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+    }
+
+    /// The v with self · v = `rhs`, by LDLᵀ; `None` when a pivot vanishes, that is when something is not determined.
+    #[must_use]
+    pub fn solve(&self, rhs: [f64; 3]) -> Option<[f64; 3]> {
+        let a = &self.rows;
+        let tiny = 1e-12 * (a[0][0] + a[1][1] + a[2][2]);
+        let d0 = a[0][0];
+        if d0 <= tiny {
+            return None;
+        }
+        let (l10, l20) = (a[1][0] / d0, a[2][0] / d0);
+        let d1 = a[1][1] - l10 * l10 * d0;
+        if d1 <= tiny {
+            return None;
+        }
+        let l21 = (a[2][1] - l20 * l10 * d0) / d1;
+        let d2 = a[2][2] - l20 * l20 * d0 - l21 * l21 * d1;
+        if d2 <= tiny {
+            return None;
+        }
+        let y0 = rhs[0];
+        let y1 = rhs[1] - l10 * y0;
+        let y2 = rhs[2] - l20 * y0 - l21 * y1;
+        let z2 = y2 / d2;
+        let z1 = y1 / d1 - l21 * z2;
+        let z0 = y0 / d0 - l10 * z1 - l20 * z2;
+        let z = [z0, z1, z2];
+        z.iter().all(|v| v.is_finite()).then_some(z)
+    }
+
+    /// The covariance; `None` when something is not determined.
+    #[must_use]
+    pub fn covariance(&self) -> Option<[[f64; 3]; 3]> {
+        let columns = [self.solve([1.0, 0.0, 0.0])?, self.solve([0.0, 1.0, 0.0])?, self.solve([0.0, 0.0, 1.0])?];
+        let mut out = [[0.0; 3]; 3];
+        for (r, row) in out.iter_mut().enumerate() {
+            for (c, cell) in row.iter_mut().enumerate() {
+                *cell = 0.5 * (columns[c][r] + columns[r][c]);
+            }
+        }
+        Some(out)
+    }
+
+    /// The direction of the plane about which this says least, and how much it says there (1/m²) when the
+    /// heading is left free: smallest eigenvalue of the Schur complement of θ.
+    #[must_use]
+    pub fn weakest_direction(&self) -> (Point, f64) {
+        let a = &self.rows;
+        let t = if a[2][2] > 0.0 { 1.0 / a[2][2] } else { 0.0 };
+        let xx = a[0][0] - a[0][2] * a[2][0] * t;
+        let yy = a[1][1] - a[1][2] * a[2][1] * t;
+        let xy = a[0][1] - a[0][2] * a[2][1] * t;
+        let half = 0.5 * (xx + yy);
+        let spread = (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
+        // Axis of the larger eigenvalue is at half the angle of (xx − yy, 2 xy); the weak one is across.
+        let strong_rad = 0.5 * (2.0 * xy).atan2(xx - yy);
+        (Point::from_polar(1.0, strong_rad).left(), (half - spread).max(0.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn corner_and_corridor() -> Information {
+        let mut information = Information::default();
+        for k in 0..50 {
+            information.add_residual([0.0, 1.0, f64::from(k) * 0.1], 4.0);
+        }
+        information.add_residual([1.0, 0.0, 0.0], 0.5);
+        information
+    }
+
+    #[test]
+    fn solving_undoes_multiplying() {
+        let information = corner_and_corridor();
+        let v = [0.3, -0.2, 0.05];
+        let back = information.solve(information.times(v)).unwrap();
+        for (a, b) in v.iter().zip(back) {
+            assert!((a - b).abs() < 1e-9);
+        }
+        let covariance = information.covariance().unwrap();
+        let unit = information.times([covariance[0][0], covariance[1][0], covariance[2][0]]);
+        assert!((unit[0] - 1.0).abs() < 1e-9 && unit[1].abs() < 1e-9 && unit[2].abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_corridor_is_weak_along_itself() {
+        let (direction, information) = corner_and_corridor().weakest_direction();
+        assert!(direction.x.abs() > 0.999, "{direction:?}");
+        assert!((information - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_is_not_determined_is_not_solved() {
+        let mut wall = Information::default();
+        wall.add_residual([0.0, 1.0, 0.0], 1.0);
+        assert_eq!(wall.solve([0.0, 1.0, 0.0]), None);
+    }
+}

@@ -1,0 +1,21 @@
+//! Alignment of a scan to the map (paper section 2): repeated least squares, limited to matched polylines.
+//!
+//! In: returns of the scan with the direction of the side they belong to, a guess of the pose, and the sides of the
+//! map that they may be matched to. Out: the pose with its information, what the walls cannot tell, and how good
+//! the fit is.
+//!
+//! One round pairs every return p with the nearest allowed side that faces the same way and lies within the gate,
+//! and minimises Σ w(eᵢ) (nᵢ·(R(δθ) R pᵢ + t + δt − aᵢ))² / σᵢ² by one Gauss–Newton step, where nᵢ is the normal of
+//! the side and w the Cauchy weight 1/(1 + (e/cσ)²). The Jacobian of a residual with respect to (δt, δθ), the turn
+//! taken about the scanner, is (nₓ, n_y, n·left(R p)). The gate shrinks from round to round. Distances are taken to
+//! sides, not points (Chen and Medioni 1991), because a wall says nothing about a shift along itself.
+//!
+//! Where we differ from the paper: it gives neither weights nor a gate nor any account of what the walls cannot
+//! tell. Along a direction in which the matched sides hold less than a few returns' worth of information
+//! (a corridor), the pose is left to the motion model instead of to the noise of the walls.
+
+mod information;
+mod least_squares;
+
+pub use information::Information;
+pub use least_squares::{AlignSettings, Alignment, Prior, SidePoint, align};

@@ -1,0 +1,39 @@
+//! Scan → the scanner's range noise.
+//!
+//! On a straight wall the inverse range u = 1/r obeys u₋ + u₊ = 2 cos(Δφ) u, so of three neighbouring beams the
+//! middle one has the residual e = r − 2 cos(Δφ) / (u₋ + u₊), whose variance is about 1.5 σ². The median of |e|
+//! over the scan is blind to corners and edges as long as they are less than half of the beams:
+//! σ = median |e| / (0.6745 · √1.5).
+
+use crate::scan::Scan;
+
+/// No scanner is trusted to be better than this, metres: millimetre-exact ranges (simulators) would otherwise make
+/// every rounding error a feature.
+pub const NOISE_FLOOR_M: f64 = 0.003;
+
+/// Noise assumed where a scan cannot tell, metres: an ordinary indoor scanner.
+pub const NOISE_DEFAULT_M: f64 = 0.010;
+
+/// Fewest triples of neighbouring returns that an estimate rests on.
+const FEWEST_TRIPLES: usize = 20;
+
+/// Standard deviation of the ranges in metres, estimated from the scan itself, at least [`NOISE_FLOOR_M`]; `None`
+/// for a scan with too few neighbouring returns.
+///
+/// Meant to be smoothed over scans by the caller (a running median, say): a single scan in clutter reads too high.
+#[must_use]
+pub fn estimate_noise_m(scan: &Scan) -> Option<f64> {
+    let bend = 2.0 * scan.geometry().step_rad().cos();
+    let mut residuals_m: Vec<f64> = scan
+        .ranges_m()
+        .windows(3)
+        .map(|w| (w[1] - bend / (1.0 / w[0] + 1.0 / w[2])).abs())
+        .filter(|e| e.is_finite())
+        .collect();
+    if residuals_m.len() < FEWEST_TRIPLES {
+        return None;
+    }
+    let middle = residuals_m.len() / 2;
+    let (_, median_m, _) = residuals_m.select_nth_unstable_by(middle, f64::total_cmp);
+    Some((*median_m / (0.6745 * 1.5_f64.sqrt())).max(NOISE_FLOOR_M))
+}

@@ -1,0 +1,147 @@
+//! The map while it grows: polylines with closely spaced vertices that remember what they rest on.
+//!
+//! Each polyline is held twice: its vertices as merged (a few centimetres apart, where evidence is gathered) and
+//! its skeleton (few sides, least-squares fitted), which alignment and visibility use, because the direction of a
+//! 4 cm side is all noise. Polylines are shared between copies of the map, so that a copy of the whole map as it
+//! was some scans ago costs a few hundred pointers.
+
+use std::sync::Arc;
+
+use crate::extract::simplify_chain;
+use crate::geometry::{Point, SideGrid};
+
+/// A vertex of the growing map.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Vertex {
+    pub point: Point,
+    /// Scans merged into it.
+    pub hits: u32,
+    /// Scans that looked through it, and the last one that did.
+    pub seen_through: u32,
+    pub last_seen_through: u32,
+    /// Sum of squared deviations of the observations from the running mean, m².
+    pub squares_m2: f64,
+}
+
+impl Vertex {
+    pub fn new(point: Point) -> Self {
+        Self { point, hits: 1, seen_through: 0, last_seen_through: u32::MAX, squares_m2: 0.0 }
+    }
+
+    /// The weighted average of this vertex, which stands for `hits` observations, and one more (paper section 4:
+    /// larger weight on the map; n/(n+1) is the weight that makes it the mean of all).
+    pub fn averaged(mut self, seen: Point, most_hits: u32) -> Self {
+        let n = f64::from(self.hits.min(most_hits));
+        let shift = seen - self.point;
+        self.point += shift / (n + 1.0);
+        self.squares_m2 += shift.dot(shift) * n / (n + 1.0);
+        self.hits += 1;
+        self
+    }
+
+    /// Standard deviation of the vertex's place, metres: spread of the observations over √n, `noise_m` for the first.
+    pub fn sigma_m(&self, noise_m: f64) -> f64 {
+        let n = f64::from(self.hits);
+        ((self.squares_m2 + noise_m * noise_m) / (n * n)).sqrt()
+    }
+}
+
+/// A polyline of the growing map.
+#[derive(Clone, Debug)]
+pub(crate) struct GrowingPolyline {
+    pub id: u64,
+    pub vertices: Vec<Vertex>,
+}
+
+/// All polylines of the growing map, with their grids. A polyline is named by its slot, the `owner` in the grids.
+#[derive(Clone, Default)]
+pub(crate) struct GrowingMap {
+    slots: Vec<Option<Arc<GrowingPolyline>>>,
+    next_id: u64,
+    /// Sides between neighbouring vertices.
+    pub dense: SideGrid,
+    /// Sides of the skeletons.
+    pub skeleton: SideGrid,
+    stale: Vec<u32>,
+}
+
+impl GrowingMap {
+    pub fn polyline(&self, slot: u32) -> Option<&GrowingPolyline> {
+        self.slots.get(slot as usize)?.as_deref()
+    }
+
+    /// Every polyline with its slot, slots ascending.
+    pub fn polylines(&self) -> impl Iterator<Item = (u32, &GrowingPolyline)> {
+        (0_u32..).zip(&self.slots).filter_map(|(slot, p)| Some((slot, p.as_deref()?)))
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.slots.iter().all(Option::is_none)
+    }
+
+    /// Adds a polyline with a new id; one of fewer than two vertices is not added.
+    pub fn add(&mut self, vertices: Vec<Vertex>) -> Option<u32> {
+        if vertices.len() < 2 {
+            return None;
+        }
+        let slot = self.slots.len() as u32;
+        self.slots.push(None);
+        let id = self.next_id;
+        self.next_id += 1;
+        self.put(slot, GrowingPolyline { id, vertices });
+        Some(slot)
+    }
+
+    /// Gives the polyline of a slot new vertices; fewer than two take it out.
+    pub fn replace(&mut self, slot: u32, vertices: Vec<Vertex>) {
+        let Some(id) = self.polyline(slot).map(|p| p.id) else { return };
+        if vertices.len() < 2 {
+            self.remove(slot);
+        } else {
+            self.put(slot, GrowingPolyline { id, vertices });
+        }
+    }
+
+    /// Takes a polyline out.
+    pub fn remove(&mut self, slot: u32) {
+        self.slots[slot as usize] = None;
+        self.dense.remove(slot);
+        self.skeleton.remove(slot);
+    }
+
+    fn put(&mut self, slot: u32, polyline: GrowingPolyline) {
+        self.dense.insert(slot, polyline.vertices.iter().map(|v| v.point));
+        self.slots[slot as usize] = Some(Arc::new(polyline));
+        self.stale.push(slot);
+    }
+
+    /// Counts a look through the vertices of side `side` of a polyline, once a scan.
+    pub fn look_through(&mut self, slot: u32, side: u32, scan: u32) {
+        let Some(polyline) = self.slots.get_mut(slot as usize).and_then(Option::as_mut) else { return };
+        let ends = side as usize..=side as usize + 1;
+        if polyline.vertices[ends.clone()].iter().all(|v| v.last_seen_through == scan) {
+            return;
+        }
+        for vertex in &mut Arc::make_mut(polyline).vertices[ends] {
+            if vertex.last_seen_through != scan {
+                vertex.last_seen_through = scan;
+                vertex.seen_through += 1;
+            }
+        }
+    }
+
+    /// Brings the skeletons up to date; returns the slots that changed.
+    pub fn refresh_skeletons(&mut self, tolerance_m: f64) -> Vec<u32> {
+        let mut stale = std::mem::take(&mut self.stale);
+        stale.sort_unstable();
+        stale.dedup();
+        stale.retain(|&slot| self.polyline(slot).is_some());
+        for &slot in &stale {
+            let Some(polyline) = self.slots[slot as usize].as_deref() else { continue };
+            let points: Vec<Point> = polyline.vertices.iter().map(|v| v.point).collect();
+            let weights: Vec<f64> = polyline.vertices.iter().map(|v| f64::from(v.hits.min(100))).collect();
+            self.skeleton.insert(slot, simplify_chain(&points, &weights, tolerance_m));
+        }
+        stale
+    }
+}

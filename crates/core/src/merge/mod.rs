@@ -1,0 +1,92 @@
+//! Merging an aligned scan into the map (paper section 4).
+//!
+//! In: the polylines of a scan, its pose, the map. Out: the map with the scan averaged into it. In order: simulated
+//! scan points ([`simulate`]), their closest points on the map ([`link`]), new points joined into ordered polylines
+//! ([`splice`], with the vertex rule of Fig. 4), sharp angles taken out ([`sharp`]), and what the scan looked
+//! through cleared ([`sight`]).
+
+pub(crate) mod growing_map;
+mod link;
+mod sharp;
+mod sight;
+mod simulate;
+mod splice;
+
+use growing_map::GrowingMap;
+
+use crate::extract::ScanPolyline;
+use crate::geometry::Pose;
+use crate::scan::Scan;
+
+/// How scans are merged.
+#[derive(Clone, Copy, Debug)]
+pub struct MergeSettings {
+    /// Distance within which a scan point and a map point are the same, metres (paper: 0.20 m for grouping, no
+    /// number here).
+    pub gate_m: f64,
+    /// Distance between vertices of the growing map below which no new ones are added, metres.
+    pub spacing_m: f64,
+    /// Weight that a vertex of the map has at most, in observations: the map can follow slow change.
+    pub most_hits: u32,
+    /// Inner angles below this are no shape but noise or disorder, radians (paper: 20°).
+    pub sharp_angle_rad: f64,
+    /// How far before its return a beam must pass a side to have looked through it, metres.
+    pub sight_margin_m: f64,
+    /// Sine of the smallest angle between beam and side that counts.
+    pub sight_min_sine: f64,
+    /// Looks through a vertex before it may be taken out.
+    pub sight_min_looks: u32,
+}
+
+impl Default for MergeSettings {
+    fn default() -> Self {
+        Self {
+            gate_m: 0.15,
+            spacing_m: 0.04,
+            most_hits: 50,
+            sharp_angle_rad: 20_f64.to_radians(),
+            sight_margin_m: 0.3,
+            sight_min_sine: 0.2,
+            sight_min_looks: 3,
+        }
+    }
+}
+
+/// What a merge did.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MergeReport {
+    /// Scan points that fell on a polyline of the map.
+    pub known_points: usize,
+    /// Scan points that were new.
+    pub new_points: usize,
+    /// Vertices of the map that were taken out because scans looked through them.
+    pub seen_through: usize,
+}
+
+/// Merges the polylines of a scan; `number` counts the merges.
+pub(crate) fn merge(
+    map: &mut GrowingMap,
+    scan: &Scan,
+    polylines: &[ScanPolyline],
+    map_from_scan: Pose,
+    number: u32,
+    settings: &MergeSettings,
+) -> MergeReport {
+    let mut report = MergeReport::default();
+    for polyline in polylines {
+        let points = simulate::scan_points(polyline, scan.geometry(), map_from_scan, settings.spacing_m);
+        let mut points = points.as_slice();
+        while !points.is_empty() {
+            let runs = link::runs(map, points, settings.gate_m);
+            let done = splice::splice(map, &runs, settings).max(1);
+            for run in &runs[..done] {
+                let count = if run.slot.is_some() { &mut report.known_points } else { &mut report.new_points };
+                *count += run.points.len();
+            }
+            let left: usize = runs[done..].iter().map(|r| r.points.len()).sum();
+            points = &points[points.len() - left..];
+        }
+    }
+    report.seen_through = sight::clear_sight(map, scan, map_from_scan, number, settings);
+    report
+}

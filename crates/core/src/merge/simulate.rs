@@ -1,0 +1,85 @@
+//! Simulated scan points (paper section 4): where the rays of the scanner meet the polylines of the aligned scan.
+
+use crate::extract::ScanPolyline;
+use crate::geometry::{Point, Pose, Segment};
+use crate::scan::ScanGeometry;
+
+/// A point of the scan that is to be merged, map frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ScanPoint {
+    pub point: Point,
+    /// Unit vector along the scan's polyline.
+    pub direction: Point,
+    /// A vertex of the scan's polyline, to be kept whatever the spacing.
+    pub is_vertex: bool,
+}
+
+/// The simulated scan points of one polyline, in its order, and all its vertices.
+///
+/// The paper adds the end points to the rays' points; we add every vertex, because a corner between two rays would
+/// be cut off otherwise, and leave out points nearer than `spacing_m` to the one before, which near walls would add
+/// by the dozen and which tell nothing new.
+pub(crate) fn scan_points(
+    polyline: &ScanPolyline,
+    geometry: &ScanGeometry,
+    map_from_scan: Pose,
+    spacing_m: f64,
+) -> Vec<ScanPoint> {
+    let mut out = Vec::new();
+    for side in polyline.polyline.sides() {
+        let Some(direction) = side.direction() else { continue };
+        let direction = map_from_scan.rotate(direction);
+        let mut push = |p: Point, is_vertex| {
+            out.push(ScanPoint { point: map_from_scan * p, direction, is_vertex });
+        };
+        push(side.a, true);
+        let length_m = side.length_m();
+        let mut last_m = 0.0;
+        for share in ray_shares(side, geometry) {
+            let along_m = share * length_m;
+            if along_m - last_m >= spacing_m && length_m - along_m >= spacing_m {
+                push(side.at(share), false);
+                last_m = along_m;
+            }
+        }
+    }
+    if let Some(last) = out.last().copied() {
+        let end = map_from_scan * polyline.polyline.last();
+        if end.distance(last.point) > 1e-6 {
+            out.push(ScanPoint { point: end, is_vertex: true, ..last });
+        }
+    }
+    out
+}
+
+/// Shares of the side, ascending, at which the scanner's rays meet it.
+fn ray_shares(side: Segment, geometry: &ScanGeometry) -> impl Iterator<Item = f64> {
+    let first = geometry.beam_of_bearing(side.a.bearing_rad());
+    let turn_rad = side.a.cross(side.b).atan2(side.a.dot(side.b));
+    let last = first + turn_rad / geometry.step_rad();
+    let geometry = *geometry;
+    (first.ceil() as i64..=last.floor() as i64).filter_map(move |beam| {
+        let bearing_rad = geometry.bearing_rad(0) + geometry.step_rad() * beam as f64;
+        side.meet_ray(Point::default(), Point::from_polar(1.0, bearing_rad)).map(|(_, share)| share)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Polyline;
+
+    #[test]
+    fn a_wall_gets_the_points_of_the_rays_and_its_ends() {
+        let geometry = ScanGeometry::new(-1.0, 0.1, 21).unwrap();
+        let wall = Polyline::new(vec![Point::new(2.0, -1.05), Point::new(2.0, 1.05)]).unwrap();
+        let wall = ScanPolyline { polyline: wall, first_beam: 0, last_beam: 20 };
+        let points = scan_points(&wall, &geometry, Pose::new(1.0, 0.0, 0.0), 0.01);
+        let rays = (-4..=4).map(|k| 2.0 * (0.1 * f64::from(k)).tan());
+        let expected: Vec<f64> = [-1.05].into_iter().chain(rays).chain([1.05]).collect();
+        assert_eq!(points.len(), expected.len());
+        for (p, y) in points.iter().zip(expected) {
+            assert!((p.point.x - 3.0).abs() < 1e-9 && (p.point.y - y).abs() < 1e-9, "{:?} {y}", p.point);
+        }
+    }
+}
