@@ -7,3 +7,4 @@
 mod input;
 mod lines;
 pub mod log;
+pub mod out;

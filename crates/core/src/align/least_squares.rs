@@ -41,7 +41,13 @@ pub struct AlignSettings {
 
 impl Default for AlignSettings {
     fn default() -> Self {
-        Self { first_gate_m: 0.5, last_gate_m: 0.10, max_rounds: 20, robust_sigmas: 2.385, min_returns_along: 3.0 }
+        Self {
+            first_gate_m: 0.5,
+            last_gate_m: 0.10,
+            max_rounds: 20,
+            robust_sigmas: 2.385,
+            min_returns_along: 3.0,
+        }
     }
 }
 
@@ -70,7 +76,11 @@ impl Alignment {
     /// Share of the returns that found a side, 0..=1.
     #[must_use]
     pub fn matched_share(&self) -> f64 {
-        if self.asked == 0 { 0.0 } else { self.matched as f64 / self.asked as f64 }
+        if self.asked == 0 {
+            0.0
+        } else {
+            self.matched as f64 / self.asked as f64
+        }
     }
 }
 
@@ -142,8 +152,15 @@ impl Round {
         for p in points {
             let arm = turn(p.point);
             let place = arm + pose.translation();
-            let near = Near { direction: turn(p.direction), min_cos, max_distance_m: gate_m, beyond_ends: false };
-            let Some(foot) = target.nearest(place, &near, |owner| allowed(p.polyline, owner)) else { continue };
+            let near = Near {
+                direction: turn(p.direction),
+                min_cos,
+                max_distance_m: gate_m,
+                beyond_ends: false,
+            };
+            let Some(foot) = target.nearest(place, &near, |owner| allowed(p.polyline, owner)) else {
+                continue;
+            };
             let normal = target.side(foot.side).normal();
             let error_m = normal.dot(place - foot.point);
             // The scale follows the gate, so that far guesses are not weighted away in the first rounds.
@@ -175,7 +192,9 @@ impl Round {
         let strong = weak.left();
         let axes = [[strong.x, strong.y, 0.0], [0.0, 0.0, 1.0]];
         // Normal equations in the basis (strong, θ), and the way along `weak` from the prior alone.
-        let along = prior.map_or(0.0, |p| (p.map_from_scan.translation() - pose.translation()).dot(weak));
+        let along = prior.map_or(0.0, |p| {
+            (p.map_from_scan.translation() - pose.translation()).dot(weak)
+        });
         let mut reduced = Information::default();
         let mut rhs = [0.0; 3];
         let shift = self.information.times([weak.x * along, weak.y * along, 0.0]);
@@ -192,7 +211,11 @@ impl Round {
         reduced.rows[0][0] += damping;
         reduced.rows[1][1] += damping;
         let [across, theta, _] = reduced.solve(rhs)?;
-        Some([strong.x * across + weak.x * along, strong.y * across + weak.y * along, theta])
+        Some([
+            strong.x * across + weak.x * along,
+            strong.y * across + weak.y * along,
+            theta,
+        ])
     }
 }
 
@@ -255,9 +278,21 @@ mod tests {
     fn a_shift_and_a_turn_in_a_room_are_found_exactly() {
         let truth = Pose::new(0.3, -0.2, 0.15);
         let points = seen_from(&room(), truth);
-        let found = align(&points, &room(), None, Pose::IDENTITY, None, &AlignSettings::default()).unwrap();
+        let found = align(
+            &points,
+            &room(),
+            None,
+            Pose::IDENTITY,
+            None,
+            &AlignSettings::default(),
+        )
+        .unwrap();
         assert!(found.converged && found.unobservable.is_none());
-        assert!(found.map_from_scan.distance(truth) < 1e-6, "{:?}", found.map_from_scan);
+        assert!(
+            found.map_from_scan.distance(truth) < 1e-6,
+            "{:?}",
+            found.map_from_scan
+        );
         assert!((found.map_from_scan.theta_rad - 0.15).abs() < 1e-6);
         assert!(found.matched_share() > 0.99 && found.rms_m < 1e-6);
     }
@@ -266,13 +301,30 @@ mod tests {
     fn a_corridor_is_named_and_the_motion_model_fills_it() {
         let truth = Pose::new(0.0, 0.1, 0.05);
         let points = seen_from(&corridor(), truth);
-        let prior =
-            Prior { map_from_scan: Pose::new(0.4, 0.0, 0.0), information: Information::from_sigmas(0.1, 0.1, 0.1) };
-        let found = align(&points, &corridor(), None, Pose::IDENTITY, Some(&prior), &AlignSettings::default()).unwrap();
+        let prior = Prior {
+            map_from_scan: Pose::new(0.4, 0.0, 0.0),
+            information: Information::from_sigmas(0.1, 0.1, 0.1),
+        };
+        let found = align(
+            &points,
+            &corridor(),
+            None,
+            Pose::IDENTITY,
+            Some(&prior),
+            &AlignSettings::default(),
+        )
+        .unwrap();
         let along = found.unobservable.unwrap();
         assert!(along.x.abs() > 0.999, "{along:?}");
-        assert!((found.map_from_scan.x - 0.4).abs() < 1e-3, "along: from the prior, {:?}", found.map_from_scan);
-        assert!((found.map_from_scan.y - 0.1).abs() < 1e-3, "across: from the walls");
+        assert!(
+            (found.map_from_scan.x - 0.4).abs() < 1e-3,
+            "along: from the prior, {:?}",
+            found.map_from_scan
+        );
+        assert!(
+            (found.map_from_scan.y - 0.1).abs() < 1e-3,
+            "across: from the walls"
+        );
         assert!((found.map_from_scan.theta_rad - 0.05).abs() < 1e-4);
     }
 
@@ -282,11 +334,23 @@ mod tests {
         // A second object that moved by 0.2 m must not disturb when its polyline is not matched.
         let moved: Vec<SidePoint> = points
             .iter()
-            .map(|p| SidePoint { point: p.point + Point::new(0.2, 0.0), polyline: 1, ..*p })
+            .map(|p| SidePoint {
+                point: p.point + Point::new(0.2, 0.0),
+                polyline: 1,
+                ..*p
+            })
             .collect();
         points.extend(moved);
         let pairs = [(0, 0)];
-        let found = align(&points, &room(), Some(&pairs), Pose::IDENTITY, None, &AlignSettings::default()).unwrap();
+        let found = align(
+            &points,
+            &room(),
+            Some(&pairs),
+            Pose::IDENTITY,
+            None,
+            &AlignSettings::default(),
+        )
+        .unwrap();
         assert!(found.map_from_scan.distance(Pose::IDENTITY) < 1e-9);
     }
 }
