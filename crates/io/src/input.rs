@@ -62,6 +62,18 @@ impl Input {
             path.display().to_string()
         };
         let (source, total_bytes) = open_source(path, &name)?;
+        Self::from_reader(name, source, total_bytes)
+    }
+
+    /// Takes any stream of `total_bytes`, if that is known, under a name for messages.
+    ///
+    /// # Errors
+    /// Nothing in it, or nothing that could be read.
+    pub fn from_reader(
+        name: String,
+        source: impl Read + 'static,
+        total_bytes: Option<u64>,
+    ) -> Result<Self, LogError> {
         let progress = ReadProgress {
             read_bytes: Arc::default(),
             total_bytes,

@@ -121,7 +121,19 @@ pub struct Log {
 /// # Errors
 /// No such file, a directory, an empty file, a file that cannot be read, or content that is no known log.
 pub fn open(path: &Path, options: ReadOptions) -> Result<Log, LogError> {
-    let input = Input::open(path)?;
+    open_input(Input::open(path)?, options)
+}
+
+/// Opens a log that is in memory, as [`open`] does; `name` is for messages.
+///
+/// # Errors
+/// Nothing in it, or content that is no known log.
+pub fn open_bytes(name: &str, bytes: &'static [u8], options: ReadOptions) -> Result<Log, LogError> {
+    let input = Input::from_reader(name.to_owned(), bytes, Some(bytes.len() as u64))?;
+    open_input(input, options)
+}
+
+fn open_input(input: Input, options: ReadOptions) -> Result<Log, LogError> {
     let Some(format) = FORMATS.iter().find(|f| (f.recognise)(&input.head)) else {
         return Err(LogError::unrecognised(input.name, &input.head));
     };

@@ -1,0 +1,5 @@
+//! One module a command.
+
+pub mod build;
+pub mod demo;
+pub mod extract;
