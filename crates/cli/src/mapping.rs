@@ -1,10 +1,11 @@
-//! What `build` needs of a mapper.
+//! What `build` needs of a mapper, and the mapper of the core library in that role.
 
-use anyhow::bail;
 use polymapper_core::geometry::Pose;
 use polymapper_core::map::Map;
+use polymapper_core::mapper::{self, Mapper, NotPlaced, Settings};
 use polymapper_core::scan::Scan;
 use polymapper_io::out::Outcome;
+use serde_json::{Value, json};
 
 use crate::clock::StageClock;
 
@@ -18,7 +19,7 @@ pub trait Mapping {
     fn finish(self, clock: &mut StageClock) -> Finished;
 
     /// Every setting with its value, for the report.
-    fn settings(&self) -> serde_json::Value;
+    fn settings(&self) -> Value;
 }
 
 /// What a mapper leaves.
@@ -27,24 +28,58 @@ pub struct Finished {
     pub outcomes: Vec<Outcome>,
 }
 
-/// The mapper that `build` uses.
-pub fn mapper() -> anyhow::Result<NoMapper> {
-    bail!("this version reads logs and extracts polylines, but does not build maps yet")
+/// The mapper of the core library.
+pub struct CoreMapping {
+    mapper: Mapper,
+    settings: Settings,
 }
 
-/// Stands where the mapper will; there is none.
-pub enum NoMapper {}
+impl CoreMapping {
+    pub fn new(settings: Settings) -> Self {
+        Self {
+            mapper: Mapper::new(settings),
+            settings,
+        }
+    }
+}
 
-impl Mapping for NoMapper {
-    fn add_scan(&mut self, _scan: &Scan, _odometry: Option<Pose>, _clock: &mut StageClock) {
-        match *self {}
+impl Mapping for CoreMapping {
+    fn add_scan(&mut self, scan: &Scan, _odometry: Option<Pose>, clock: &mut StageClock) {
+        clock.enter("map");
+        self.mapper.add_scan(scan);
     }
 
-    fn finish(self, _clock: &mut StageClock) -> Finished {
-        match self {}
+    fn finish(self, clock: &mut StageClock) -> Finished {
+        clock.enter("finish");
+        Finished {
+            map: self.mapper.map(),
+            outcomes: self.mapper.outcomes().iter().map(outcome).collect(),
+        }
     }
 
-    fn settings(&self) -> serde_json::Value {
-        match *self {}
+    fn settings(&self) -> Value {
+        let Settings { extract, align, merge } = &self.settings;
+        // Every setting is printed by its own name; the report needs no second list of them.
+        json!({
+            "extract": format!("{extract:?}"),
+            "align": format!("{align:?}"),
+            "merge": format!("{merge:?}"),
+        })
+    }
+}
+
+fn outcome(outcome: &mapper::Outcome) -> Outcome {
+    match *outcome {
+        mapper::Outcome::Placed { map_from_scan } => Outcome::Placed { map_from_scan },
+        mapper::Outcome::NotPlaced { reason } => Outcome::NotPlaced {
+            reason: words(reason).to_owned(),
+        },
+    }
+}
+
+fn words(reason: NotPlaced) -> &'static str {
+    match reason {
+        NotPlaced::TooFewReturns => "too few returns on polylines",
+        NotPlaced::NoMatch => "no pose agrees with the map",
     }
 }

@@ -6,6 +6,13 @@
 
 pub mod align;
 pub mod extract;
+mod finish;
 pub mod geometry;
+pub mod judge;
+mod keyframe;
 pub mod map;
+pub mod mapper;
+pub mod merge;
 pub mod scan;
+mod search;
+mod side_points;

@@ -130,7 +130,7 @@ impl ScanGeometry {
 /// costs a beam now and then and never a wall.
 fn is_no_return_code(range_m: f64) -> bool {
     const CODES_M: [(f64, f64); 4] = [
-        (8.185, 8.195),
+        (8.175, 8.195),
         (32.755, 32.775),
         (49.995, 50.005),
         (51.145, 51.225),

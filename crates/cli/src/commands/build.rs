@@ -10,6 +10,7 @@ use std::path::Path;
 use anyhow::Context;
 use polymapper_core::geometry::Polyline;
 use polymapper_core::map::Map;
+use polymapper_core::mapper::Settings;
 use polymapper_io::log::{Entry, LineFault, Log};
 use polymapper_io::out::{
     AtomicFile, InputReport, MapFile, MapReport, Outcome, Report, ScanReport, TrajectoryRow, prepare_folder,
@@ -19,7 +20,7 @@ use polymapper_io::out::{
 use crate::args::BuildArgs;
 use crate::clock::StageClock;
 use crate::interrupt::Interrupt;
-use crate::mapping::{self, Mapping};
+use crate::mapping::{CoreMapping, Mapping};
 use crate::scans::{self, Reading};
 use crate::talk::say;
 use crate::{Finish, memory};
@@ -31,7 +32,7 @@ pub fn run(args: &BuildArgs) -> anyhow::Result<Finish> {
     let odometry_used = args.log.use_odometry;
     build(
         log,
-        mapping::mapper()?,
+        CoreMapping::new(Settings::default()),
         &args.output,
         odometry_used,
         &Interrupt::listen()?,

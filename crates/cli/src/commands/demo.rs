@@ -1,5 +1,6 @@
 //! `polymapper demo`: a map of a real log that comes with the program.
 
+use polymapper_core::mapper::Settings;
 use polymapper_io::log::{self, ReadOptions};
 use polymapper_io::out::prepare_folder;
 
@@ -7,7 +8,7 @@ use crate::Finish;
 use crate::args::DemoArgs;
 use crate::commands::build::build;
 use crate::interrupt::Interrupt;
-use crate::mapping;
+use crate::mapping::CoreMapping;
 use crate::talk::say;
 
 /// Where it comes from and who made it: `samples/README.md`.
@@ -22,7 +23,7 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<Finish> {
     let log = log::open_bytes("the sample", SAMPLE, ReadOptions::default())?;
     build(
         log,
-        mapping::mapper()?,
+        CoreMapping::new(Settings::default()),
         &args.output,
         false,
         &Interrupt::listen()?,

@@ -93,11 +93,7 @@ impl Information {
     /// The covariance; `None` when something is not determined.
     #[must_use]
     pub fn covariance(&self) -> Option<[[f64; 3]; 3]> {
-        let columns = [
-            self.solve([1.0, 0.0, 0.0])?,
-            self.solve([0.0, 1.0, 0.0])?,
-            self.solve([0.0, 0.0, 1.0])?,
-        ];
+        let columns = [self.solve([1.0, 0.0, 0.0])?, self.solve([0.0, 1.0, 0.0])?, self.solve([0.0, 0.0, 1.0])?];
         let mut out = [[0.0; 3]; 3];
         for (r, row) in out.iter_mut().enumerate() {
             for (c, cell) in row.iter_mut().enumerate() {
@@ -120,10 +116,7 @@ impl Information {
         let spread = (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
         // Axis of the larger eigenvalue is at half the angle of (xx − yy, 2 xy); the weak one is across.
         let strong_rad = 0.5 * (2.0 * xy).atan2(xx - yy);
-        (
-            Point::from_polar(1.0, strong_rad).left(),
-            (half - spread).max(0.0),
-        )
+        (Point::from_polar(1.0, strong_rad).left(), (half - spread).max(0.0))
     }
 }
 

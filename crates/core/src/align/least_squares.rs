@@ -1,5 +1,5 @@
 use super::Information;
-use crate::geometry::{Near, Point, Pose, SideGrid};
+use crate::geometry::{Near, Point, Pose, SideGrid, wrap_rad};
 
 /// A return and the direction of the scan side it lies on.
 #[derive(Clone, Copy, Debug)]
@@ -10,6 +10,10 @@ pub struct SidePoint {
     pub direction: Point,
     /// Standard deviation of the distance to the side, metres.
     pub sigma_m: f64,
+    /// How much of an independent measurement it is, 0..=1. The errors of the returns of one wall go together
+    /// (the wall is not quite straight, the map's side not quite in place), so a hundred of them do not tell a
+    /// hundred times as much as one.
+    pub worth: f64,
     /// Which polyline of the scan it belongs to.
     pub polyline: u32,
 }
@@ -26,27 +30,43 @@ pub struct Prior {
 /// How the alignment goes about it.
 #[derive(Clone, Copy, Debug)]
 pub struct AlignSettings {
-    /// Gate of the first round, metres: how far off the guess may be.
-    pub first_gate_m: f64,
+    /// Gate that no round exceeds, metres.
+    pub widest_gate_m: f64,
     /// Gate of the last rounds, metres. 0.10 m is five times the noise of a cheap scanner.
     pub last_gate_m: f64,
     /// Rounds at most.
     pub max_rounds: u32,
     /// Scale of the Cauchy weight in standard deviations; 2.385 keeps 95 % efficiency on Gaussian noise.
     pub robust_sigmas: f64,
-    /// A direction in which the walls hold less than this many returns' worth of information is left to the prior.
-    /// Walls that are parallel to 2° give 180 returns 0.2; one door frame gives 3 to 10.
-    pub min_returns_along: f64,
+    /// A direction along which the walls leave the place with a larger standard deviation than this, metres, is
+    /// named unobservable. Two walls parallel to 2° leave 0.05 m and more; one door frame leaves 0.01 m.
+    pub observable_sigma_m: f64,
 }
 
 impl Default for AlignSettings {
     fn default() -> Self {
-        Self {
-            first_gate_m: 0.5,
-            last_gate_m: 0.10,
-            max_rounds: 20,
-            robust_sigmas: 2.385,
-            min_returns_along: 3.0,
+        Self { widest_gate_m: 0.5, last_gate_m: 0.10, max_rounds: 20, robust_sigmas: 2.385, observable_sigma_m: 0.04 }
+    }
+}
+
+/// A pose to start from, and how far off it may be.
+#[derive(Clone, Copy, Debug)]
+pub struct Guess {
+    /// The pose.
+    pub map_from_scan: Pose,
+    /// Standard deviation of its place, metres.
+    pub sigma_m: f64,
+    /// Standard deviation of its heading, radians.
+    pub sigma_rad: f64,
+}
+
+impl Guess {
+    /// The guess as a prior.
+    #[must_use]
+    pub fn prior(&self) -> Prior {
+        Prior {
+            map_from_scan: self.map_from_scan,
+            information: Information::from_sigmas(self.sigma_m, self.sigma_m, self.sigma_rad),
         }
     }
 }
@@ -76,11 +96,7 @@ impl Alignment {
     /// Share of the returns that found a side, 0..=1.
     #[must_use]
     pub fn matched_share(&self) -> f64 {
-        if self.asked == 0 {
-            0.0
-        } else {
-            self.matched as f64 / self.asked as f64
-        }
+        if self.asked == 0 { 0.0 } else { self.matched as f64 / self.asked as f64 }
     }
 }
 
@@ -90,31 +106,34 @@ pub(crate) fn align_to_grid(
     points: &[SidePoint],
     target: &SideGrid,
     allowed: impl Fn(u32, u32) -> bool,
-    guess: Pose,
+    guess: &Guess,
     prior: Option<&Prior>,
     settings: &AlignSettings,
 ) -> Option<Alignment> {
-    let mut pose = guess;
-    let mut gate_m = settings.first_gate_m;
+    let mut pose = guess.map_from_scan;
+    let mut doubt = 1.0;
     let mut converged = false;
     let mut rounds = 0;
     let mut last = Round::default();
     while rounds < settings.max_rounds && !converged {
         rounds += 1;
-        let at_last_gate = gate_m <= settings.last_gate_m * 1.001;
-        last = Round::pair(points, target, &allowed, pose, gate_m, settings);
-        let step = last.step(pose, prior, settings)?;
+        let gate = |range_m: f64| {
+            let guess_m = 3.0 * guess.sigma_m.hypot(guess.sigma_rad * range_m);
+            (settings.last_gate_m + doubt * guess_m).min(settings.widest_gate_m)
+        };
+        last = Round::pair(points, target, &allowed, pose, gate, settings);
+        let step = last.step(pose, prior)?;
         pose = Pose::new(pose.x + step[0], pose.y + step[1], pose.theta_rad + step[2]);
-        converged = at_last_gate && step[0].hypot(step[1]) < 2e-4 && step[2].abs() < 2e-5;
-        let small_step = step[0].hypot(step[1]) < 0.3 * gate_m && step[2].abs() < 0.1;
-        if small_step {
-            gate_m = (gate_m * 0.6).max(settings.last_gate_m);
+        let (shift_m, turn_rad) = (step[0].hypot(step[1]), step[2].abs());
+        converged = doubt < 0.05 && shift_m < 2e-4 && turn_rad < 2e-5;
+        if shift_m < 0.5 * guess.sigma_m + 0.02 && turn_rad < 0.5 * guess.sigma_rad + 0.005 {
+            doubt *= 0.4;
         }
     }
     (last.matched > 0).then(|| Alignment {
         map_from_scan: pose,
         information: last.information,
-        unobservable: last.unobservable(settings),
+        unobservable: last.unobservable(settings.observable_sigma_m),
         converged,
         rounds,
         matched: last.matched,
@@ -129,47 +148,44 @@ struct Round {
     information: Information,
     /// Σ w j e / σ²
     gradient: [f64; 3],
-    /// Σ w n nᵀ: returns' worth of information by direction, whatever their noise.
-    returns: Information,
     matched: usize,
     squares_m2: f64,
 }
 
 impl Round {
+    /// The direction along which the walls leave a standard deviation above `sigma_m`.
+    fn unobservable(&self, sigma_m: f64) -> Option<Point> {
+        let (direction, information) = self.information.weakest_direction();
+        (information < 1.0 / (sigma_m * sigma_m)).then_some(direction)
+    }
+
     fn pair(
         points: &[SidePoint],
         target: &SideGrid,
         allowed: &impl Fn(u32, u32) -> bool,
         pose: Pose,
-        gate_m: f64,
+        gate: impl Fn(f64) -> f64,
         settings: &AlignSettings,
     ) -> Self {
         let mut round = Self::default();
         let (sin, cos) = pose.theta_rad.sin_cos();
         let turn = |v: Point| Point::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
-        // A wide gate comes with a poor heading: sides may then differ by more.
-        let min_cos = if gate_m > 0.25 { 0.7 } else { 0.85 };
         for p in points {
+            let gate_m = gate(p.point.norm());
+            // A wide gate comes with a poor heading: sides may then differ by more.
+            let min_cos = if gate_m > 0.25 { 0.7 } else { 0.85 };
             let arm = turn(p.point);
             let place = arm + pose.translation();
-            let near = Near {
-                direction: turn(p.direction),
-                min_cos,
-                max_distance_m: gate_m,
-                beyond_ends: false,
-            };
-            let Some(foot) = target.nearest(place, &near, |owner| allowed(p.polyline, owner)) else {
-                continue;
-            };
+            let near = Near { direction: turn(p.direction), min_cos, max_distance_m: gate_m, beyond_ends: false };
+            let Some(foot) = target.nearest(place, &near, |owner| allowed(p.polyline, owner)) else { continue };
             let normal = target.side(foot.side).normal();
             let error_m = normal.dot(place - foot.point);
-            // The scale follows the gate, so that far guesses are not weighted away in the first rounds.
-            let scale_m = settings.robust_sigmas * p.sigma_m.max(0.2 * gate_m);
+            // The scale follows the gate, so that poor guesses are not weighted away in the first rounds.
+            let scale_m = settings.robust_sigmas * p.sigma_m.max(0.2 * (gate_m - settings.last_gate_m));
             let weight = 1.0 / (1.0 + (error_m / scale_m).powi(2));
             let j = [normal.x, normal.y, normal.dot(arm.left())];
-            let w = weight / (p.sigma_m * p.sigma_m);
+            let w = weight * p.worth / (p.sigma_m * p.sigma_m);
             round.information.add_residual(j, w);
-            round.returns.add_residual(j, weight);
             for (g, j) in round.gradient.iter_mut().zip(j) {
                 *g += w * j * error_m;
             }
@@ -179,43 +195,17 @@ impl Round {
         round
     }
 
-    fn unobservable(&self, settings: &AlignSettings) -> Option<Point> {
-        let (direction, returns) = self.returns.weakest_direction();
-        (returns < settings.min_returns_along).then_some(direction)
-    }
-
-    /// The Gauss–Newton step. Along an unobservable direction the walls' equations are replaced by the prior's.
-    fn step(&self, pose: Pose, prior: Option<&Prior>, settings: &AlignSettings) -> Option<[f64; 3]> {
-        let Some(weak) = self.unobservable(settings) else {
-            return self.information.solve(self.gradient.map(|g| -g));
-        };
-        let strong = weak.left();
-        let axes = [[strong.x, strong.y, 0.0], [0.0, 0.0, 1.0]];
-        // Normal equations in the basis (strong, θ), and the way along `weak` from the prior alone.
-        let along = prior.map_or(0.0, |p| {
-            (p.map_from_scan.translation() - pose.translation()).dot(weak)
-        });
-        let mut reduced = Information::default();
-        let mut rhs = [0.0; 3];
-        let shift = self.information.times([weak.x * along, weak.y * along, 0.0]);
-        for (r, a) in axes.iter().enumerate() {
-            let times = self.information.times(*a);
-            for (c, b) in axes.iter().enumerate() {
-                reduced.rows[r][c] = (0..3).map(|k| times[k] * b[k]).sum();
-            }
-            rhs[r] = -(0..3).map(|k| a[k] * (self.gradient[k] + shift[k])).sum::<f64>();
-        }
-        reduced.rows[2][2] = 1.0;
-        // One wall through the scanner's own place can leave even these two undetermined: a whiff of damping.
-        let damping = 1e-9 * (reduced.rows[0][0] + reduced.rows[1][1]) + 1e-9;
-        reduced.rows[0][0] += damping;
-        reduced.rows[1][1] += damping;
-        let [across, theta, _] = reduced.solve(rhs)?;
-        Some([
-            strong.x * across + weak.x * along,
-            strong.y * across + weak.y * along,
-            theta,
-        ])
+    /// The Gauss–Newton step of the walls and the prior together.
+    fn step(&self, pose: Pose, prior: Option<&Prior>) -> Option<[f64; 3]> {
+        let Some(prior) = prior else { return self.information.solve(self.gradient.map(|g| -g)) };
+        let off = [
+            pose.x - prior.map_from_scan.x,
+            pose.y - prior.map_from_scan.y,
+            wrap_rad(pose.theta_rad - prior.map_from_scan.theta_rad),
+        ];
+        let pull = prior.information.times(off);
+        let gradient = [0, 1, 2].map(|k| -(self.gradient[k] + pull[k]));
+        self.information.plus(&prior.information).solve(gradient)
     }
 }
 
@@ -226,7 +216,7 @@ pub fn align(
     points: &[SidePoint],
     reference: &[crate::geometry::Polyline],
     pairs: Option<&[(u32, u32)]>,
-    guess: Pose,
+    guess: &Guess,
     prior: Option<&Prior>,
     settings: &AlignSettings,
 ) -> Option<Alignment> {
@@ -249,6 +239,10 @@ mod tests {
         vec![Polyline::new(corners.iter().map(|&(x, y)| Point::new(x, y)).collect()).unwrap()]
     }
 
+    fn around(map_from_scan: Pose) -> Guess {
+        Guess { map_from_scan, sigma_m: 0.2, sigma_rad: 0.1 }
+    }
+
     fn corridor() -> Vec<Polyline> {
         let wall = |a: (f64, f64), b: (f64, f64)| {
             Polyline::new(vec![Point::new(a.0, a.1), Point::new(b.0, b.1)]).unwrap()
@@ -267,6 +261,7 @@ mod tests {
                     point: scan_from_map * side.at((i as f64 + 0.5) / n as f64),
                     direction,
                     sigma_m: 0.01,
+                    worth: 0.1,
                     polyline: k as u32,
                 }));
             }
@@ -278,21 +273,9 @@ mod tests {
     fn a_shift_and_a_turn_in_a_room_are_found_exactly() {
         let truth = Pose::new(0.3, -0.2, 0.15);
         let points = seen_from(&room(), truth);
-        let found = align(
-            &points,
-            &room(),
-            None,
-            Pose::IDENTITY,
-            None,
-            &AlignSettings::default(),
-        )
-        .unwrap();
+        let found = align(&points, &room(), None, &around(Pose::IDENTITY), None, &AlignSettings::default()).unwrap();
         assert!(found.converged && found.unobservable.is_none());
-        assert!(
-            found.map_from_scan.distance(truth) < 1e-6,
-            "{:?}",
-            found.map_from_scan
-        );
+        assert!(found.map_from_scan.distance(truth) < 1e-6, "{:?}", found.map_from_scan);
         assert!((found.map_from_scan.theta_rad - 0.15).abs() < 1e-6);
         assert!(found.matched_share() > 0.99 && found.rms_m < 1e-6);
     }
@@ -301,30 +284,13 @@ mod tests {
     fn a_corridor_is_named_and_the_motion_model_fills_it() {
         let truth = Pose::new(0.0, 0.1, 0.05);
         let points = seen_from(&corridor(), truth);
-        let prior = Prior {
-            map_from_scan: Pose::new(0.4, 0.0, 0.0),
-            information: Information::from_sigmas(0.1, 0.1, 0.1),
-        };
-        let found = align(
-            &points,
-            &corridor(),
-            None,
-            Pose::IDENTITY,
-            Some(&prior),
-            &AlignSettings::default(),
-        )
-        .unwrap();
+        let prior =
+            Prior { map_from_scan: Pose::new(0.4, 0.0, 0.0), information: Information::from_sigmas(0.1, 0.1, 0.1) };
+        let found = align(&points, &corridor(), None, &around(Pose::IDENTITY), Some(&prior), &AlignSettings::default()).unwrap();
         let along = found.unobservable.unwrap();
         assert!(along.x.abs() > 0.999, "{along:?}");
-        assert!(
-            (found.map_from_scan.x - 0.4).abs() < 1e-3,
-            "along: from the prior, {:?}",
-            found.map_from_scan
-        );
-        assert!(
-            (found.map_from_scan.y - 0.1).abs() < 1e-3,
-            "across: from the walls"
-        );
+        assert!((found.map_from_scan.x - 0.4).abs() < 1e-3, "along: from the prior, {:?}", found.map_from_scan);
+        assert!((found.map_from_scan.y - 0.1).abs() < 1e-3, "across: from the walls");
         assert!((found.map_from_scan.theta_rad - 0.05).abs() < 1e-4);
     }
 
@@ -334,23 +300,11 @@ mod tests {
         // A second object that moved by 0.2 m must not disturb when its polyline is not matched.
         let moved: Vec<SidePoint> = points
             .iter()
-            .map(|p| SidePoint {
-                point: p.point + Point::new(0.2, 0.0),
-                polyline: 1,
-                ..*p
-            })
+            .map(|p| SidePoint { point: p.point + Point::new(0.2, 0.0), polyline: 1, ..*p })
             .collect();
         points.extend(moved);
         let pairs = [(0, 0)];
-        let found = align(
-            &points,
-            &room(),
-            Some(&pairs),
-            Pose::IDENTITY,
-            None,
-            &AlignSettings::default(),
-        )
-        .unwrap();
+        let found = align(&points, &room(), Some(&pairs), &around(Pose::IDENTITY), None, &AlignSettings::default()).unwrap();
         assert!(found.map_from_scan.distance(Pose::IDENTITY) < 1e-9);
     }
 }

@@ -11,11 +11,13 @@
 //! sides, not points (Chen and Medioni 1991), because a wall says nothing about a shift along itself.
 //!
 //! Where we differ from the paper: it gives neither weights nor a gate nor any account of what the walls cannot
-//! tell. Along a direction in which the matched sides hold less than a few returns' worth of information
-//! (a corridor), the pose is left to the motion model instead of to the noise of the walls.
+//! tell. The errors of the returns on one wall go together, so a wall counts as no more than a few independent returns
+//! however many hit it; otherwise two corridor walls parallel to 2° would seem to fix the place along them. What is
+//! left open so is filled by the motion model, as a Gaussian prior in the same equations.
 
 mod information;
 mod least_squares;
 
 pub use information::Information;
-pub use least_squares::{AlignSettings, Alignment, Prior, SidePoint, align};
+pub(crate) use least_squares::align_to_grid;
+pub use least_squares::{AlignSettings, Alignment, Guess, Prior, SidePoint, align};

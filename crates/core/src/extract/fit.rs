@@ -48,6 +48,23 @@ impl Line {
     }
 }
 
+/// Cost of a side as a function of how far the inverse ranges of its two vertices are from the measured ones (x, y):
+/// at_returns + 2 (x·x + y·y) + xx·x² + 2 xy·x·y + yy·y².
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Side {
+    /// Cost with both vertices on their returns.
+    pub(crate) at_returns: f64,
+    /// A lower bound of the cost.
+    pub(crate) least: f64,
+    /// Half the slopes.
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    /// Curvatures.
+    pub(crate) xx: f64,
+    pub(crate) xy: f64,
+    pub(crate) yy: f64,
+}
+
 /// Weighted moments of a run of points.
 #[derive(Clone, Copy, Debug, Default)]
 struct Moments {
@@ -123,6 +140,46 @@ impl Sums {
         (norm > 1e-12).then(|| Line {
             normal: m / norm,
             offset_m: 1.0 / norm,
+        })
+    }
+
+    /// Squared range residuals of a run on the line through `a` and `b`, for weights that hold r².
+    pub(crate) fn chord_cost(&self, a: Point, b: Point, run: &Range<usize>) -> f64 {
+        let det = a.cross(b);
+        if run.is_empty() {
+            return 0.0;
+        }
+        if det <= 1e-9 * a.norm() * b.norm() {
+            return f64::INFINITY;
+        }
+        let m = (a - b).left() / det;
+        let s = self.over(run);
+        let quadratic = s.xx * m.x * m.x + 2.0 * s.xy * m.x * m.y + s.yy * m.y * m.y;
+        (s.w - 2.0 * (s.x * m.x + s.y * m.y) + quadratic).max(0.0)
+    }
+
+    /// The quadratic form of a side with vertices on the rays of returns `first` and `last`, for weights that hold r².
+    pub(crate) fn side(&self, first: Point, last: Point, run: &Range<usize>) -> Option<Side> {
+        let (a, b) = (first.unit()?, last.unit()?);
+        let sine = a.cross(b);
+        if sine <= 1e-9 {
+            return None;
+        }
+        // m = x · by_x + y · by_y for inverse ranges x, y of the two vertices.
+        let (by_x, by_y) = (-b.left() / sine, a.left() / sine);
+        let m = by_x / first.norm() + by_y / last.norm();
+        let s = self.over(run);
+        let times = |v: Point| Point::new(s.xx * v.x + s.xy * v.y, s.xy * v.x + s.yy * v.y);
+        let (am, ax, ay) = (times(m), times(by_x), times(by_y));
+        let sum = Point::new(s.x, s.y);
+        Some(Side {
+            at_returns: (s.w - 2.0 * sum.dot(m) + m.dot(am)).max(0.0),
+            least: 0.0,
+            x: by_x.dot(am - sum),
+            y: by_y.dot(am - sum),
+            xx: by_x.dot(ax),
+            xy: by_x.dot(ay),
+            yy: by_y.dot(ay),
         })
     }
 

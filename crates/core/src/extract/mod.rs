@@ -9,12 +9,17 @@
 //!    and range, and needs a level per scanner.
 //! 4. A least-squares line per side, vertices where neighbouring sides meet, end points on their rays.
 
+mod budget;
 mod chain;
 mod divide;
+mod ends;
 mod evolve;
 mod fit;
+mod front;
 mod group;
 mod noise;
+mod plan;
+mod refine;
 mod sides;
 
 use crate::geometry::Polyline;
@@ -82,32 +87,29 @@ impl Extraction {
 /// The polylines of a scan, as fine as the noise of the scanner supports.
 #[must_use]
 pub fn extract(scan: &Scan, settings: &ExtractSettings) -> Extraction {
-    let noise_m = settings
-        .noise_m
-        .or_else(|| estimate_noise_m(scan))
-        .unwrap_or(NOISE_DEFAULT_M)
-        .max(NOISE_FLOOR_M);
+    let noise_m = noise_m(scan, settings);
     let groups = group::group(scan, &settings.grouping, noise_m);
-    sides::extract(&groups, noise_m, settings.side_penalty)
+    sides::extract(
+        &groups,
+        scan.geometry().step_rad(),
+        noise_m,
+        settings.side_penalty,
+    )
 }
 
 /// The polylines of a scan with at most `vertices` vertices all together.
 #[must_use]
 pub fn extract_with_budget(scan: &Scan, vertices: usize, settings: &ExtractSettings) -> Extraction {
-    let mut fine = extract(scan, settings);
-    let mut settings = *settings;
-    for _ in 0..40 {
-        if fine.vertices() <= vertices {
-            return fine;
-        }
-        settings.side_penalty *= 2.0;
-        fine = extract(scan, &settings);
-    }
-    fine.polylines
-        .sort_by_key(|p| std::cmp::Reverse(p.polyline.vertices().len()));
-    while fine.vertices() > vertices {
-        fine.polylines.pop();
-    }
-    fine.polylines.sort_by_key(|p| p.first_beam);
-    fine
+    let noise_m = noise_m(scan, settings);
+    let groups = group::group(scan, &settings.grouping, noise_m);
+    budget::extract(groups, scan.geometry(), noise_m, vertices)
+}
+
+/// The noise to work with.
+fn noise_m(scan: &Scan, settings: &ExtractSettings) -> f64 {
+    settings
+        .noise_m
+        .or_else(|| estimate_noise_m(scan))
+        .unwrap_or(NOISE_DEFAULT_M)
+        .max(NOISE_FLOOR_M)
 }

@@ -6,6 +6,7 @@
 use std::ops::Range;
 
 use super::divide::divide;
+use super::ends::draw_out;
 use super::fit::{Line, Sums};
 use super::group::Groups;
 use super::{Extraction, ScanPolyline};
@@ -15,7 +16,7 @@ use crate::geometry::{Point, Polyline};
 const BEARING_ERROR_STEPS: f64 = 0.1;
 
 /// Polylines of all groups of two returns or more.
-pub(super) fn extract(groups: &Groups, noise_m: f64, side_penalty: f64) -> Extraction {
+pub(super) fn extract(groups: &Groups, step_rad: f64, noise_m: f64, side_penalty: f64) -> Extraction {
     let mut out = Extraction {
         noise_m,
         returns: groups.points.len(),
@@ -25,7 +26,7 @@ pub(super) fn extract(groups: &Groups, noise_m: f64, side_penalty: f64) -> Extra
         let points = &groups.points[group.clone()];
         let ranges_m = &groups.ranges_m[group.clone()];
         let polyline = (group.len() >= 2)
-            .then(|| polyline(points, ranges_m, noise_m, side_penalty))
+            .then(|| polyline(points, ranges_m, step_rad, noise_m, side_penalty))
             .flatten();
         match polyline {
             Some(polyline) => out.polylines.push(ScanPolyline {
@@ -40,7 +41,13 @@ pub(super) fn extract(groups: &Groups, noise_m: f64, side_penalty: f64) -> Extra
 }
 
 /// The polyline of one group.
-fn polyline(points: &[Point], ranges_m: &[f64], noise_m: f64, side_penalty: f64) -> Option<Polyline> {
+fn polyline(
+    points: &[Point],
+    ranges_m: &[f64],
+    step_rad: f64,
+    noise_m: f64,
+    side_penalty: f64,
+) -> Option<Polyline> {
     let sums = Sums::new(points.iter().enumerate().map(|(k, &p)| {
         let (r, slope_m) = (ranges_m[k], slope_m(ranges_m, k));
         let bearing_m = BEARING_ERROR_STEPS * slope_m;
@@ -48,7 +55,9 @@ fn polyline(points: &[Point], ranges_m: &[f64], noise_m: f64, side_penalty: f64)
     }));
     let sides = divide(points.len(), side_penalty, |run| sums.range_cost(run));
     let end = |line: Line, p: Point| end_on_ray(line, p, noise_m);
-    Polyline::new(join(points, &sides, |run| sums.range_line(run), end)).ok()
+    let mut vertices = join(points, &sides, |run| sums.range_line(run), end);
+    draw_out(&mut vertices, step_rad);
+    Polyline::new(vertices).ok()
 }
 
 /// Change of range from beam to beam at return `k`: the smaller of the two sides, so that an edge is not a slope.

@@ -10,32 +10,53 @@ use std::sync::Arc;
 use crate::extract::simplify_chain;
 use crate::geometry::{Point, SideGrid};
 
+/// What another side of a skeleton must save in squared deviations, in units of σ²; the same as for scans.
+const SIDE_PENALTY: f64 = 16.0;
+
+/// What scans say of a side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Evidence {
+    /// Scans that saw it.
+    pub hits: u32,
+    /// Scans that looked through it, and the last one that did.
+    pub seen_through: u32,
+    pub last_seen_through: u32,
+}
+
+impl Evidence {
+    /// Seen by `hits` scans.
+    pub fn of(hits: u32) -> Self {
+        Self { hits, seen_through: 0, last_seen_through: u32::MAX }
+    }
+}
+
 /// A vertex of the growing map.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Vertex {
     pub point: Point,
     /// Scans merged into it.
     pub hits: u32,
-    /// Scans that looked through it, and the last one that did.
-    pub seen_through: u32,
-    pub last_seen_through: u32,
+    /// What speaks for and against the side that leads on to the next vertex. Both its ends may be well founded and
+    /// the side between them false.
+    pub onward: Evidence,
     /// Sum of squared deviations of the observations from the running mean, m².
     pub squares_m2: f64,
 }
 
 impl Vertex {
     pub fn new(point: Point) -> Self {
-        Self { point, hits: 1, seen_through: 0, last_seen_through: u32::MAX, squares_m2: 0.0 }
+        Self { point, hits: 1, onward: Evidence::of(1), squares_m2: 0.0 }
     }
 
-    /// The weighted average of this vertex, which stands for `hits` observations, and one more (paper section 4:
-    /// larger weight on the map; n/(n+1) is the weight that makes it the mean of all).
-    pub fn averaged(mut self, seen: Point, most_hits: u32) -> Self {
-        let n = f64::from(self.hits.min(most_hits));
+    /// The weighted average of this vertex and a place seen by `seen_hits` scans (paper section 4: larger weight on
+    /// the map). Each has the weight of its observations, which makes the vertex the mean of all; `most_hits` bounds
+    /// the map's weight, so that it can follow slow change.
+    pub fn averaged(mut self, seen: Point, seen_hits: u32, most_hits: u32) -> Self {
+        let (n, m) = (f64::from(self.hits.min(most_hits)), f64::from(seen_hits.min(most_hits)));
         let shift = seen - self.point;
-        self.point += shift / (n + 1.0);
-        self.squares_m2 += shift.dot(shift) * n / (n + 1.0);
-        self.hits += 1;
+        self.point += shift * (m / (n + m));
+        self.squares_m2 += shift.dot(shift) * n * m / (n + m);
+        self.hits += seen_hits;
         self
     }
 
@@ -115,23 +136,28 @@ impl GrowingMap {
         self.stale.push(slot);
     }
 
-    /// Counts a look through the vertices of side `side` of a polyline, once a scan.
+    /// Counts a look through side `side` of a polyline, once a scan.
     pub fn look_through(&mut self, slot: u32, side: u32, scan: u32) {
         let Some(polyline) = self.slots.get_mut(slot as usize).and_then(Option::as_mut) else { return };
-        let ends = side as usize..=side as usize + 1;
-        if polyline.vertices[ends.clone()].iter().all(|v| v.last_seen_through == scan) {
-            return;
+        let start = side as usize;
+        if polyline.vertices[start].onward.last_seen_through != scan {
+            let evidence = &mut Arc::make_mut(polyline).vertices[start].onward;
+            evidence.last_seen_through = scan;
+            evidence.seen_through += 1;
         }
-        for vertex in &mut Arc::make_mut(polyline).vertices[ends] {
-            if vertex.last_seen_through != scan {
-                vertex.last_seen_through = scan;
-                vertex.seen_through += 1;
+    }
+
+    /// Sets the counts of looks through all sides to zero.
+    pub fn forget_looks(&mut self) {
+        for polyline in self.slots.iter_mut().flatten() {
+            for vertex in &mut Arc::make_mut(polyline).vertices {
+                vertex.onward = Evidence::of(vertex.onward.hits);
             }
         }
     }
 
     /// Brings the skeletons up to date; returns the slots that changed.
-    pub fn refresh_skeletons(&mut self, tolerance_m: f64) -> Vec<u32> {
+    pub fn refresh_skeletons(&mut self, sigma_m: f64) -> Vec<u32> {
         let mut stale = std::mem::take(&mut self.stale);
         stale.sort_unstable();
         stale.dedup();
@@ -139,8 +165,8 @@ impl GrowingMap {
         for &slot in &stale {
             let Some(polyline) = self.slots[slot as usize].as_deref() else { continue };
             let points: Vec<Point> = polyline.vertices.iter().map(|v| v.point).collect();
-            let weights: Vec<f64> = polyline.vertices.iter().map(|v| f64::from(v.hits.min(100))).collect();
-            self.skeleton.insert(slot, simplify_chain(&points, &weights, tolerance_m));
+            let weights = vec![1.0 / (sigma_m * sigma_m); points.len()];
+            self.skeleton.insert(slot, simplify_chain(&points, &weights, SIDE_PENALTY));
         }
         stale
     }

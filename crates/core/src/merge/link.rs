@@ -20,6 +20,8 @@ pub(crate) struct Link {
 pub(crate) struct Run {
     /// The polyline of the map they belong to; `None` for what the map does not hold yet.
     pub slot: Option<u32>,
+    /// Number of its first point among all points of the scan's polyline.
+    pub first: usize,
     /// The points, in the order of the scan.
     pub points: Vec<(ScanPoint, Option<Link>)>,
 }
@@ -36,21 +38,21 @@ impl Run {
 /// both to pieces.
 pub(crate) fn runs(map: &GrowingMap, points: &[ScanPoint], gate_m: f64) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
-    for &point in points {
+    for (number, &point) in points.iter().enumerate() {
         let previous = runs.last().and_then(|r| r.slot);
         let link = previous
             .and_then(|slot| closest(map, &point, gate_m, |s| s == slot))
             .or_else(|| closest(map, &point, gate_m, |_| true));
-        push(&mut runs, point, link);
+        push(&mut runs, number, point, link);
     }
     without_flickers(runs, gate_m)
 }
 
-fn closest(map: &GrowingMap, p: &ScanPoint, gate_m: f64, allowed: impl Fn(u32) -> bool) -> Option<Link> {
+pub(super) fn closest(map: &GrowingMap, p: &ScanPoint, gate_m: f64, allowed: impl Fn(u32) -> bool) -> Option<Link> {
     // 60°: the sides between map vertices a few centimetres apart carry ±20° of noise, and the two walls of a
     // corner differ by 90°.
     let near = Near { direction: p.direction, min_cos: 0.5, max_distance_m: gate_m, beyond_ends: false };
-    let foot = map.dense.nearest(p.point, &near, allowed)?;
+    let foot = map.dense.nearest(p.vertex.point, &near, allowed)?;
     let side = map.dense.side(foot.side);
     Some(Link { slot: side.owner, at: f64::from(side.index) + foot.share, point: foot.point })
 }
@@ -58,7 +60,7 @@ fn closest(map: &GrowingMap, p: &ScanPoint, gate_m: f64, allowed: impl Fn(u32) -
 /// How far a link may slip back along the map's polyline and still continue the run, in vertices.
 const SLIP_VERTICES: f64 = 2.0;
 
-fn push(runs: &mut Vec<Run>, point: ScanPoint, link: Option<Link>) {
+fn push(runs: &mut Vec<Run>, number: usize, point: ScanPoint, link: Option<Link>) {
     if let Some(run) = runs.last_mut()
         && run.slot == link.map(|l| l.slot)
     {
@@ -77,7 +79,7 @@ fn push(runs: &mut Vec<Run>, point: ScanPoint, link: Option<Link>) {
             _ => {}
         }
     }
-    runs.push(Run { slot: link.map(|l| l.slot), points: vec![(point, link)] });
+    runs.push(Run { slot: link.map(|l| l.slot), first: number, points: vec![(point, link)] });
 }
 
 /// Joins two runs on the same polyline that one or two unlinked points hold apart: outliers, not a new object.
@@ -91,7 +93,7 @@ fn without_flickers(runs: Vec<Run>, gate_m: f64) -> Vec<Run> {
         };
         let length_m = |r: &Run| {
             let ends = r.points.first().zip(r.points.last());
-            ends.map_or(0.0, |(a, b)| a.0.point.distance(b.0.point))
+            ends.map_or(0.0, |(a, b)| a.0.vertex.point.distance(b.0.vertex.point))
         };
         let n = out.len();
         let flicker = n >= 2

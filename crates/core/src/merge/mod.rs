@@ -7,16 +7,16 @@
 
 pub(crate) mod growing_map;
 mod link;
+pub(crate) mod overlap;
 mod sharp;
-mod sight;
+pub(crate) mod sight;
 mod simulate;
 mod splice;
 
 use growing_map::GrowingMap;
+use simulate::ScanPoint;
 
-use crate::extract::ScanPolyline;
-use crate::geometry::Pose;
-use crate::scan::Scan;
+use crate::keyframe::Keyframe;
 
 /// How scans are merged.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +36,8 @@ pub struct MergeSettings {
     pub sight_min_sine: f64,
     /// Looks through a vertex before it may be taken out.
     pub sight_min_looks: u32,
+    /// How far the skeleton may stray from the vertices before it gets another side, metres (one standard deviation).
+    pub skeleton_sigma_m: f64,
 }
 
 impl Default for MergeSettings {
@@ -48,6 +50,7 @@ impl Default for MergeSettings {
             sight_margin_m: 0.3,
             sight_min_sine: 0.2,
             sight_min_looks: 3,
+            skeleton_sigma_m: 0.01,
         }
     }
 }
@@ -63,30 +66,33 @@ pub struct MergeReport {
     pub seen_through: usize,
 }
 
-/// Merges the polylines of a scan; `number` counts the merges.
+/// Merges the polylines of a keyframe; `number` counts the keyframes.
 pub(crate) fn merge(
     map: &mut GrowingMap,
-    scan: &Scan,
-    polylines: &[ScanPolyline],
-    map_from_scan: Pose,
+    keyframe: &Keyframe,
     number: u32,
     settings: &MergeSettings,
 ) -> MergeReport {
+    let Keyframe { scan, polylines, map_from_scan, .. } = keyframe;
     let mut report = MergeReport::default();
     for polyline in polylines {
-        let points = simulate::scan_points(polyline, scan.geometry(), map_from_scan, settings.spacing_m);
-        let mut points = points.as_slice();
-        while !points.is_empty() {
-            let runs = link::runs(map, points, settings.gate_m);
-            let done = splice::splice(map, &runs, settings).max(1);
-            for run in &runs[..done] {
-                let count = if run.slot.is_some() { &mut report.known_points } else { &mut report.new_points };
-                *count += run.points.len();
-            }
-            let left: usize = runs[done..].iter().map(|r| r.points.len()).sum();
-            points = &points[points.len() - left..];
-        }
+        let points = simulate::scan_points(polyline, scan.geometry(), *map_from_scan, settings.spacing_m);
+        thread(map, &points, settings, &mut report);
     }
-    report.seen_through = sight::clear_sight(map, scan, map_from_scan, number, settings);
+    report.seen_through = sight::clear_sight(map, scan, *map_from_scan, number, settings);
+    map.refresh_skeletons(settings.skeleton_sigma_m);
     report
+}
+
+/// Threads the points of one polyline through the map.
+fn thread(map: &mut GrowingMap, mut points: &[ScanPoint], settings: &MergeSettings, report: &mut MergeReport) {
+    while !points.is_empty() {
+        let runs = link::runs(map, points, settings.gate_m);
+        let done = splice::splice(map, &runs, settings).max(1);
+        for run in &runs[..done.min(runs.len())] {
+            let count = if run.slot.is_some() { &mut report.known_points } else { &mut report.new_points };
+            *count += run.points.len();
+        }
+        points = &points[runs.get(done).map_or(points.len(), |r| r.first)..];
+    }
 }

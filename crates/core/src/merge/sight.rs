@@ -2,16 +2,16 @@
 //!
 //! Not in the paper, which takes moved things out by their shape alone. A beam that returns from behind a side of the
 //! map says that the side is gone; sides that more scans looked through than hit are taken out. Statistics of the
-//! same kind as an occupancy grid's, kept on the vertices.
+//! same kind as an occupancy grid's, kept on the sides.
 
 use super::MergeSettings;
-use super::growing_map::{GrowingMap, Vertex};
+use super::growing_map::{Evidence, GrowingMap};
 use crate::geometry::{Crossing, Point, Pose};
 use crate::scan::Scan;
 
-/// Counts every side that a beam of the scan went through well before it returned, and takes out what has been
-/// looked through more often than seen. Returns the number of vertices taken out.
-pub(crate) fn clear_sight(map: &mut GrowingMap, scan: &Scan, map_from_scan: Pose, number: u32, settings: &MergeSettings) -> usize {
+/// Counts every side that a beam of the scan went through well before it returned, once a scan; returns the
+/// polylines they belong to.
+pub(crate) fn look(map: &mut GrowingMap, scan: &Scan, map_from_scan: Pose, number: u32, settings: &MergeSettings) -> Vec<u32> {
     let origin = map_from_scan.translation();
     let mut through: Vec<(u32, u32)> = Vec::new();
     for (_, point) in scan.points() {
@@ -32,7 +32,14 @@ pub(crate) fn clear_sight(map: &mut GrowingMap, scan: &Scan, map_from_scan: Pose
         map.look_through(slot, side, number);
     }
     through.dedup_by_key(|t| t.0);
-    through.iter().map(|&(slot, _)| take_out(map, slot, settings)).sum()
+    through.into_iter().map(|(slot, _)| slot).collect()
+}
+
+/// Counts what the scan looked through, and takes out what has been looked through more often than seen. Returns the
+/// number of sides taken out.
+pub(crate) fn clear_sight(map: &mut GrowingMap, scan: &Scan, map_from_scan: Pose, number: u32, settings: &MergeSettings) -> usize {
+    let touched = look(map, scan, map_from_scan, number, settings);
+    touched.iter().map(|&slot| take_out(map, slot, |side| is_gone(side, settings))).sum()
 }
 
 /// A grazing beam passes a wall at a hand's breadth and returns metres behind it: such a crossing, and one at the
@@ -52,19 +59,32 @@ fn is_looked_through(map: &GrowingMap, crossing: &Crossing, direction: Point, pl
     first.point.distance(at) > end_m && last.point.distance(at) > end_m
 }
 
-fn is_gone(v: &Vertex, settings: &MergeSettings) -> bool {
-    v.seen_through >= settings.sight_min_looks && v.seen_through > v.hits
+fn is_gone(side: &Evidence, settings: &MergeSettings) -> bool {
+    side.seen_through >= settings.sight_min_looks && side.seen_through > side.hits
 }
 
-/// Takes the vertices that are gone out of a polyline; what is left on either side becomes polylines of their own.
-fn take_out(map: &mut GrowingMap, slot: u32, settings: &MergeSettings) -> usize {
+/// Takes out, everywhere, the sides that more than `share` of the scans that could tell looked through.
+pub(crate) fn clear_all(map: &mut GrowingMap, share: f64) {
+    let slots: Vec<u32> = map.polylines().map(|(slot, _)| slot).collect();
+    for slot in slots {
+        take_out(map, slot, |side| {
+            let looks = f64::from(side.seen_through);
+            side.seen_through >= 2 && looks > share * (looks + f64::from(side.hits))
+        });
+    }
+}
+
+/// Takes the sides that are gone out of a polyline; what is left on either side becomes polylines of their own.
+/// Returns how many sides were taken out.
+fn take_out(map: &mut GrowingMap, slot: u32, is_gone: impl Fn(&Evidence) -> bool) -> usize {
     let Some(polyline) = map.polyline(slot) else { return 0 };
-    let gone = polyline.vertices.iter().filter(|v| is_gone(v, settings)).count();
+    let sides = &polyline.vertices[..polyline.vertices.len() - 1];
+    let gone = sides.iter().filter(|v| is_gone(&v.onward)).count();
     if gone == 0 {
         return 0;
     }
     let vertices = polyline.vertices.clone();
-    let mut pieces = vertices.split(|v| is_gone(v, settings)).filter(|p| p.len() >= 2);
+    let mut pieces = vertices.split_inclusive(|v| is_gone(&v.onward)).filter(|piece| piece.len() >= 2);
     match pieces.next() {
         Some(first) => map.replace(slot, first.to_vec()),
         None => map.remove(slot),

@@ -1,16 +1,18 @@
 //! Simulated scan points (paper section 4): where the rays of the scanner meet the polylines of the aligned scan.
 
+use super::growing_map::Vertex;
 use crate::extract::ScanPolyline;
 use crate::geometry::{Point, Pose, Segment};
 use crate::scan::ScanGeometry;
 
-/// A point of the scan that is to be merged, map frame.
+/// A point that is to be merged, map frame.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ScanPoint {
-    pub point: Point,
-    /// Unit vector along the scan's polyline.
+    /// Its place and what it rests on: one observation for a point of a scan.
+    pub vertex: Vertex,
+    /// Unit vector along its polyline.
     pub direction: Point,
-    /// A vertex of the scan's polyline, to be kept whatever the spacing.
+    /// A corner of its polyline, to be kept whatever the spacing.
     pub is_vertex: bool,
 }
 
@@ -30,7 +32,7 @@ pub(crate) fn scan_points(
         let Some(direction) = side.direction() else { continue };
         let direction = map_from_scan.rotate(direction);
         let mut push = |p: Point, is_vertex| {
-            out.push(ScanPoint { point: map_from_scan * p, direction, is_vertex });
+            out.push(ScanPoint { vertex: Vertex::new(map_from_scan * p), direction, is_vertex });
         };
         push(side.a, true);
         let length_m = side.length_m();
@@ -45,8 +47,8 @@ pub(crate) fn scan_points(
     }
     if let Some(last) = out.last().copied() {
         let end = map_from_scan * polyline.polyline.last();
-        if end.distance(last.point) > 1e-6 {
-            out.push(ScanPoint { point: end, is_vertex: true, ..last });
+        if end.distance(last.vertex.point) > 1e-6 {
+            out.push(ScanPoint { vertex: Vertex::new(end), is_vertex: true, ..last });
         }
     }
     out
@@ -79,7 +81,7 @@ mod tests {
         let expected: Vec<f64> = [-1.05].into_iter().chain(rays).chain([1.05]).collect();
         assert_eq!(points.len(), expected.len());
         for (p, y) in points.iter().zip(expected) {
-            assert!((p.point.x - 3.0).abs() < 1e-9 && (p.point.y - y).abs() < 1e-9, "{:?} {y}", p.point);
+            assert!((p.vertex.point.x - 3.0).abs() < 1e-9 && (p.vertex.point.y - y).abs() < 1e-9, "{:?} {y}", p.vertex.point);
         }
     }
 }

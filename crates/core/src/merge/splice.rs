@@ -6,7 +6,7 @@
 //! and map part ways (an open door), the map's branch becomes a polyline of its own.
 
 use super::MergeSettings;
-use super::growing_map::{GrowingMap, Vertex};
+use super::growing_map::{Evidence, GrowingMap, Vertex};
 use super::link::{Link, Run};
 use super::sharp::without_sharp_vertices;
 use super::simulate::ScanPoint;
@@ -63,7 +63,7 @@ pub(crate) fn splice(map: &mut GrowingMap, runs: &[Run], settings: &MergeSetting
 impl Chain<'_> {
     fn push(&mut self, run: &Run, is_first: bool) -> bool {
         let (Some(slot), Some((from, to))) = (run.slot, run.reach()) else {
-            self.vertices.extend(run.points.iter().map(|(p, _)| Vertex::new(p.point)));
+            self.extend_apart(run.points.iter().map(|(p, _)| p.vertex));
             return true;
         };
         let Some(old) = self.map.polyline(slot) else { return true };
@@ -79,19 +79,29 @@ impl Chain<'_> {
                 let between = old.get(upto.floor() as usize + 1..before_run).unwrap_or(&[]);
                 self.branch(between);
                 self.taken[k].upto = to;
+                self.extend_apart(merged(old, run, self.settings));
             }
             None => {
                 let head = &old[..before_run.min(old.len())];
                 if is_first {
                     self.vertices.extend_from_slice(head);
+                    self.vertices.extend(merged(old, run, self.settings));
                 } else {
                     self.branch(head);
+                    self.extend_apart(merged(old, run, self.settings));
                 }
                 self.taken.push(Taken { slot, upto: to });
             }
         }
-        self.vertices.extend(merged(old, run, self.settings));
         true
+    }
+
+    /// Adds vertices that were not neighbours of the last one in the map: the side to them is new.
+    fn extend_apart(&mut self, vertices: impl IntoIterator<Item = Vertex>) {
+        if let Some(last) = self.vertices.last_mut() {
+            last.onward = Evidence::of(1);
+        }
+        self.vertices.extend(vertices);
     }
 
     fn finish(&mut self, ends_on_map: bool) {
@@ -127,7 +137,9 @@ fn merged(old: &[Vertex], run: &Run, settings: &MergeSettings) -> Vec<Vertex> {
     for k in from.ceil() as usize..=(to.floor() as usize).min(old.len() - 1) {
         let closest = closest_on_scan(&run.points, &mut search, k as f64, old[k].point);
         let moved = match closest {
-            Some(p) if p.distance(old[k].point) <= settings.gate_m => old[k].averaged(p, settings.most_hits),
+            Some((p, hits)) if p.distance(old[k].point) <= settings.gate_m => {
+                old[k].averaged(p, hits, settings.most_hits)
+            },
             _ => old[k],
         };
         out.push((k as f64, moved));
@@ -140,11 +152,18 @@ fn merged(old: &[Vertex], run: &Run, settings: &MergeSettings) -> Vec<Vertex> {
         let far = |q: Point| q.distance(link.point) >= spacing_m;
         if far(a.point) && far(b.point) && last.is_none_or(far) {
             last = Some(link.point);
-            out.push((link.at, between(a, b, link.point).averaged(p.point, settings.most_hits)));
+            out.push((link.at, between(a, b, link.point).averaged(p.vertex.point, p.vertex.hits, settings.most_hits)));
         }
     }
     out.sort_by(|a, b| a.0.total_cmp(&b.0));
-    out.into_iter().map(|(_, v)| v).collect()
+    let mut out: Vec<Vertex> = out.into_iter().map(|(_, v)| v).collect();
+    // The scan saw every side between two vertices of the stretch.
+    let hits = run.points.iter().map(|(p, _)| p.vertex.hits).min().unwrap_or(1);
+    let inner = out.len().saturating_sub(1);
+    for vertex in &mut out[..inner] {
+        vertex.onward.hits += hits;
+    }
+    out
 }
 
 fn around<'a>(old: &'a [Vertex], link: &Link) -> (&'a Vertex, &'a Vertex) {
@@ -155,20 +174,26 @@ fn around<'a>(old: &'a [Vertex], link: &Link) -> (&'a Vertex, &'a Vertex) {
 /// A vertex on the side between two others, resting on as much as the weaker of them.
 fn between(a: &Vertex, b: &Vertex, point: Point) -> Vertex {
     let weaker = if a.hits <= b.hits { a } else { b };
-    Vertex { point, ..*weaker }
+    Vertex { point, onward: a.onward, ..*weaker }
 }
 
 /// The point of the scan closest to map vertex `v` (number `at`), among the sides between the scan points that are
-/// linked before and behind it. `search` moves forward from vertex to vertex.
-fn closest_on_scan(points: &[(ScanPoint, Option<Link>)], search: &mut usize, at: f64, v: Point) -> Option<Point> {
+/// linked before and behind it, and the observations it rests on. `search` moves forward from vertex to vertex.
+fn closest_on_scan(
+    points: &[(ScanPoint, Option<Link>)],
+    search: &mut usize,
+    at: f64,
+    v: Point,
+) -> Option<(Point, u32)> {
     while *search + 2 < points.len() && points[*search + 1].1.is_some_and(|l| l.at < at) {
         *search += 1;
     }
     let sides = search.saturating_sub(1)..(*search + 2).min(points.len().saturating_sub(1));
     sides
         .map(|k| {
-            let side = Segment::new(points[k].0.point, points[k + 1].0.point);
-            side.at(side.closest_share(v))
+            let (a, b) = (&points[k].0.vertex, &points[k + 1].0.vertex);
+            let side = Segment::new(a.point, b.point);
+            (side.at(side.closest_share(v)), a.hits.min(b.hits))
         })
-        .min_by(|p, q| p.distance(v).total_cmp(&q.distance(v)))
+        .min_by(|p, q| p.0.distance(v).total_cmp(&q.0.distance(v)))
 }

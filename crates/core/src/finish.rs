@@ -1,0 +1,38 @@
+//! Final pass (paper section 4): simplification and least squares over the whole map.
+
+use crate::extract::simplify_chain;
+use crate::geometry::Point;
+use crate::map::{Map, MapPolyline, MapVertex};
+use crate::keyframe::Keyframe;
+use crate::merge::{MergeSettings, sight};
+use crate::merge::growing_map::GrowingMap;
+use crate::merge::overlap::merge_overlaps;
+
+pub(crate) fn finish(map: &GrowingMap, keyframes: &[Keyframe], settings: &MergeSettings) -> Map {
+    let mut out = Map::default();
+    let mut map = map.clone();
+    let share: f64 = std::env::var("SHARE").ok().and_then(|s| s.parse().ok()).unwrap_or(0.3);
+    map.forget_looks();
+    for (k, keyframe) in (0..).zip(keyframes) {
+        sight::look(&mut map, &keyframe.scan, keyframe.map_from_scan, k, settings);
+    }
+    sight::clear_all(&mut map, share);
+    merge_overlaps(&mut map, settings);
+    for (_, polyline) in map.polylines() {
+        let points: Vec<Point> = polyline.vertices.iter().map(|v| v.point).collect();
+        let weights = vec![1.0 / (0.01 * 0.01); points.len()];
+        let vertices = simplify_chain(&points, &weights, 16.0)
+            .into_iter()
+            .map(|point| {
+                let near = polyline.vertices.iter().min_by(|a, b| a.point.distance(point).total_cmp(&b.point.distance(point)));
+                MapVertex {
+                    point,
+                    observations: near.map_or(0, |v| v.hits),
+                    sigma_m: near.map_or(0.0, |v| v.sigma_m(0.01)),
+                }
+            })
+            .collect();
+        out.polylines.push(MapPolyline { id: polyline.id, vertices });
+    }
+    out
+}

@@ -1,0 +1,52 @@
+//! The returns of a scan with the polyline and the side that each lies on.
+
+use crate::align::SidePoint;
+use crate::extract::ScanPolyline;
+use crate::geometry::{Point, Segment};
+use crate::scan::Scan;
+
+/// A return farther than this from its polyline's sides is an outlier of the extraction.
+const OUTLIER_M: f64 = 0.10;
+/// Standard deviation that grows with range: unevenness of the floor and of the beams (paper section 2, point 2).
+const SIGMA_PER_RANGE: f64 = 0.002;
+
+/// Standard deviation of the map's own sides, metres.
+const MAP_SIGMA_M: f64 = 0.01;
+/// Independent returns that the returns of one side are worth at most. The worth of a wall saturates where the error
+/// of its place (some mm) outweighs the averaged noise of its returns.
+const SIDE_WORTH: f64 = 15.0;
+
+/// All returns that lie on a polyline, polyline by polyline; `noise_m` is the range noise.
+pub(crate) fn side_points(scan: &Scan, polylines: &[ScanPolyline], noise_m: f64) -> Vec<SidePoint> {
+    let beams = scan.geometry().beams();
+    let mut out = Vec::with_capacity(beams);
+    for (number, polyline) in (0_u32..).zip(polylines) {
+        let sides: Vec<(Segment, Point)> =
+            polyline.polyline.sides().filter_map(|s| Some((s, s.direction()?))).collect();
+        let mut returns_of_side = vec![0_u32; sides.len()];
+        let first = out.len();
+        let mut side_of = Vec::new();
+        let count = (polyline.last_beam + beams - polyline.first_beam) % beams + 1;
+        for beam in (0..count).map(|k| (polyline.first_beam + k) % beams) {
+            let Some(point) = scan.point(beam) else { continue };
+            let Some((side, direction)) = nearest_side(&sides, point) else { continue };
+            let sigma_m = noise_m.hypot(MAP_SIGMA_M).hypot(SIGMA_PER_RANGE * point.norm());
+            out.push(SidePoint { point, direction, sigma_m, worth: 1.0, polyline: number });
+            side_of.push(side);
+            returns_of_side[side] += 1;
+        }
+        for (p, side) in out[first..].iter_mut().zip(side_of) {
+            p.worth = (SIDE_WORTH / f64::from(returns_of_side[side])).min(1.0);
+        }
+    }
+    out
+}
+
+fn nearest_side(sides: &[(Segment, Point)], point: Point) -> Option<(usize, Point)> {
+    let (distance_m, k) = sides
+        .iter()
+        .enumerate()
+        .map(|(k, (side, _))| (side.distance(point), k))
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (distance_m < OUTLIER_M).then(|| (k, sides[k].1))
+}
