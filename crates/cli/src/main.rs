@@ -10,6 +10,7 @@ mod commands;
 mod interrupt;
 mod mapping;
 mod memory;
+mod pictures;
 mod progress;
 mod scans;
 mod talk;

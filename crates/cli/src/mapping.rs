@@ -58,7 +58,11 @@ impl Mapping for CoreMapping {
     }
 
     fn settings(&self) -> Value {
-        let Settings { extract, align, merge } = &self.settings;
+        let Settings {
+            extract,
+            align,
+            merge,
+        } = &self.settings;
         // Every setting is printed by its own name; the report needs no second list of them.
         json!({
             "extract": format!("{extract:?}"),

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use polymapper_core::geometry::Polyline;
 use polymapper_core::map::Map;
 use polymapper_core::mapper::Settings;
@@ -23,13 +23,16 @@ use crate::interrupt::Interrupt;
 use crate::mapping::{CoreMapping, Mapping};
 use crate::scans::{self, Reading};
 use crate::talk::say;
-use crate::{Finish, memory};
+use crate::{Finish, memory, pictures};
 
 /// Runs the command.
 pub fn run(args: &BuildArgs) -> anyhow::Result<Finish> {
     prepare_folder(&args.output)?;
     let log = scans::open(&args.log.log, args.log.read_options())?;
     let odometry_used = args.log.use_odometry;
+    if odometry_used {
+        bail!("--use-odometry: the mapper does not take odometry yet");
+    }
     build(
         log,
         CoreMapping::new(Settings::default()),
@@ -63,6 +66,8 @@ pub fn build(
     clock.enter("write");
     let rows = trajectory(lines, finished.outcomes)?;
     write_result(folder, &finished.map, &rows, reading.partial.as_deref())?;
+    clock.enter("draw");
+    pictures::write(folder, &finished.map, &rows, log.name())?;
     let report = Report {
         generator: concat!("polymapper ", env!("CARGO_PKG_VERSION")).to_owned(),
         partial: reading.partial.clone(),
@@ -192,6 +197,7 @@ fn tell(report: &Report, reading: &Reading, folder: &Path) {
         map.bytes,
         folder.join("map.json").display()
     ));
+    say(format_args!("picture: {}", folder.join(pictures::PNG).display()));
     for (reason, count) in &scans.not_placed_by_reason {
         say(format_args!("not placed: {count} ({reason})"));
     }
@@ -324,7 +330,7 @@ mod tests {
             .iter()
             .map(|s| s["stage"].as_str().unwrap())
             .collect();
-        assert_eq!(stages, ["read", "map", "finish", "write"]);
+        assert_eq!(stages, ["read", "map", "finish", "write", "draw"]);
     }
 
     #[test]

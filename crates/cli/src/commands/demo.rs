@@ -20,7 +20,7 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<Finish> {
     say(format_args!(
         "300 scans of the MIT Killian Court log by M. Bosse and J. Leonard (PyPI rtb-data, MIT licence)"
     ));
-    let log = log::open_bytes("the sample", SAMPLE, ReadOptions::default())?;
+    let log = log::open_bytes("MIT Killian Court, 300 scans", SAMPLE, ReadOptions::default())?;
     build(
         log,
         CoreMapping::new(Settings::default()),
