@@ -1,9 +1,13 @@
 //! The progress bar: how much of the log is done, how fast, how long yet.
 
+use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
 use polymapper_io::log::ReadProgress;
+
+/// Time between two changes of the bar; more often nobody can read it.
+const REFRESH: Duration = Duration::from_millis(100);
 
 /// A bar on standard error while a log is worked on; nothing where that is no terminal.
 ///
@@ -12,35 +16,40 @@ pub struct Progress {
     bar: ProgressBar,
     reading: ReadProgress,
     start: Instant,
+    shown: Cell<Duration>,
 }
 
 impl Progress {
     pub fn new(reading: ReadProgress) -> Self {
-        let bar = ProgressBar::new(0);
-        if let Some(total) = reading.total_bytes() {
-            bar.set_length(total);
-            if let Ok(style) = ProgressStyle::with_template("{bar:30} {percent:>3} % | {msg} | {eta} left") {
-                bar.set_style(style);
-            }
-        } else if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} | {msg}") {
+        let (template, bar) = match reading.total_bytes() {
+            Some(total) => (
+                "{bar:30} {percent:>3} % | {msg} | {eta} left",
+                ProgressBar::new(total),
+            ),
+            None => ("{spinner} {elapsed} | {msg}", ProgressBar::no_length()),
+        };
+        if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
         // Redraws while one scan takes long.
-        bar.enable_steady_tick(Duration::from_millis(200));
+        bar.enable_steady_tick(2 * REFRESH);
         Self {
             bar,
             reading,
             start: Instant::now(),
+            shown: Cell::default(),
         }
     }
 
     /// Shows that `scans` scans are done.
     pub fn show(&self, scans: usize) {
-        if self.bar.is_hidden() {
+        let elapsed = self.start.elapsed();
+        if self.bar.is_hidden() || elapsed < self.shown.get() + REFRESH {
             return;
         }
+        self.shown.set(elapsed);
         self.bar.set_position(self.reading.read_bytes());
-        let rate = scans as f64 / self.start.elapsed().as_secs_f64().max(1e-3);
+        let rate = scans as f64 / elapsed.as_secs_f64();
         self.bar.set_message(format!("{scans} scans, {rate:.0}/s"));
     }
 

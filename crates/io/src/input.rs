@@ -15,7 +15,9 @@ use crate::log::LogError;
 
 /// How much of the decompressed content is looked at to recognise a format.
 const HEAD_BYTES: u64 = 256 * 1024;
-const BUFFER_BYTES: usize = 128 * 1024;
+/// Small enough that the bytes taken from a compressed file tell how far the reading has come.
+const SOURCE_BUFFER_BYTES: usize = 16 * 1024;
+const TEXT_BUFFER_BYTES: usize = 128 * 1024;
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
 /// How far the reading of a file has come; clones watch the same file.
@@ -143,11 +145,11 @@ fn open_source(path: &Path, name: &str) -> Result<(Box<dyn Read>, Option<u64>), 
 
 /// Undoes gzip (several members one after another too) where the content is gzip.
 fn decompressed(source: impl Read + 'static) -> io::Result<Box<dyn BufRead>> {
-    let mut source = BufReader::with_capacity(BUFFER_BYTES, source);
+    let mut source = BufReader::with_capacity(SOURCE_BUFFER_BYTES, source);
     let is_gzip = source.fill_buf()?.starts_with(&GZIP_MAGIC);
     Ok(if is_gzip {
         Box::new(BufReader::with_capacity(
-            BUFFER_BYTES,
+            TEXT_BUFFER_BYTES,
             MultiGzDecoder::new(source),
         ))
     } else {
