@@ -33,10 +33,12 @@ fn main() {
         if let Some(a) = step.alignment { let g = step.agreement.unwrap_or_default();
             notes += &format!("{} share {:.2} rms {:.3} rounds {} unobs {} fit {:.2} known {:.2} through {} short {} vertices {} noise {:.4} merged {}\n", step.scan, a.matched_share(), a.rms_m, a.rounds, a.unobservable.is_some(), g.fit(), g.known_share(), g.through, g.short, step.extraction.vertices(), step.extraction.noise_m, step.merged.is_some());
         }
+        if let Some(r) = step.recognised { notes += &format!("{} recognised {r}\n", step.scan); }
         n += 1;
         if n >= limit { break }
     }
     let dt = t0.elapsed().as_secs_f64();
+    let t1 = std::time::Instant::now();
     let mut csv = String::from("scan,stamp_s,x_m,y_m,theta_rad,outcome\n");
     let mut lost = 0;
     for (k, o) in mapper.outcomes().iter().enumerate() {
@@ -53,5 +55,6 @@ fn main() {
     std::fs::File::create(format!("{out}/map.json")).and_then(|mut f| write!(f, "{{\"polylines\":[{}]}}", lines.join(",\n"))).expect("map");
     std::fs::write(format!("{out}/trajectory.csv"), csv).expect("csv");
     std::fs::write(format!("{out}/notes.txt"), notes).expect("notes");
+    println!("final {:.3} s", t1.elapsed().as_secs_f64());
     println!("{n} scans, {lost} lost, {:.3} ms a scan, {} polylines, {} vertices", dt * 1e3 / n as f64, map.polylines.len(), map.polylines.iter().map(|p| p.vertices.len()).sum::<usize>());
 }

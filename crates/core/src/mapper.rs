@@ -1,13 +1,16 @@
 //! The pipeline: scan → polylines → match → alignment → merge → map.
 
-use crate::align::{AlignSettings, Alignment, Guess, Prior, SidePoint, align_to_grid};
+use crate::align::{AlignSettings, Alignment, Information, SidePoint};
 use crate::extract::{ExtractSettings, Extraction, extract};
 use crate::geometry::{Pose, wrap_rad};
-use crate::judge::{Agreement, judge};
-use crate::keyframe::Keyframe;
+use crate::graph::{Edge, optimise};
+use crate::judge::Agreement;
+use crate::keyframe::{Keyframe, ways_m};
 use crate::map::Map;
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::{MergeReport, MergeSettings, merge};
+use crate::placement::{Motion, PlaceSettings, Placement, place};
+use crate::recognise::{RecogniseSettings, recognise};
 use crate::scan::Scan;
 use crate::side_points::side_points;
 
@@ -18,8 +21,12 @@ pub struct Settings {
     pub extract: ExtractSettings,
     /// Alignment.
     pub align: AlignSettings,
+    /// Finding the pose.
+    pub place: PlaceSettings,
     /// Merging.
     pub merge: MergeSettings,
+    /// Closing loops.
+    pub recognise: RecogniseSettings,
 }
 
 /// Why a scan has no place in the map.
@@ -61,27 +68,38 @@ pub struct Step {
     pub agreement: Option<Agreement>,
     /// What was merged, when it was.
     pub merged: Option<MergeReport>,
+    /// The scan of the old keyframe at which the place was recognised.
+    pub recognised: Option<usize>,
 }
 
+/// A placed scan, held by its keyframe: it moves with it when loops are closed.
 #[derive(Clone, Copy)]
-struct Motion {
-    map_from_scan: Pose,
-    step: Pose,
+enum Held {
+    By { keyframe: usize, keyframe_from_scan: Pose },
+    Nowhere(NotPlaced),
 }
 
 /// Builds a map scan by scan.
 pub struct Mapper {
     settings: Settings,
-    map: GrowingMap,
-    outcomes: Vec<Outcome>,
+    /// The part of the map around that agrees with itself.
+    local: GrowingMap,
+    /// Way since the local map was last made anew, metres.
+    local_way_m: f64,
+    merges: u32,
+    scans: Vec<Held>,
     motion: Option<Motion>,
     keyframes: Vec<Keyframe>,
+    edges: Vec<Edge>,
+    /// Way since the last look for a known place, metres.
+    unlooked_m: f64,
 }
 
-struct Placement {
-    alignment: Alignment,
-    agreement: Agreement,
-}
+/// Returns on polylines that an alignment needs.
+const LEAST_POINTS: usize = 10;
+
+/// Keyframes within this way along the graph make up the local map, metres.
+const LOCAL_M: f64 = 12.0;
 
 impl Mapper {
     /// An empty map.
@@ -89,16 +107,20 @@ impl Mapper {
     pub fn new(settings: Settings) -> Self {
         Self {
             settings,
-            map: GrowingMap::default(),
-            outcomes: Vec::new(),
+            local: GrowingMap::default(),
+            local_way_m: 0.0,
+            merges: 0,
+            scans: Vec::new(),
             motion: None,
             keyframes: Vec::new(),
+            edges: Vec::new(),
+            unlooked_m: 0.0,
         }
     }
 
     /// Places the next scan and merges it.
     pub fn add_scan(&mut self, scan: &Scan) -> Step {
-        let number = self.outcomes.len();
+        let number = self.scans.len();
         let extraction = extract(scan, &self.settings.extract);
         let points = side_points(scan, &extraction.polylines, extraction.noise_m);
         let mut step = Step {
@@ -108,41 +130,46 @@ impl Mapper {
             alignment: None,
             agreement: None,
             merged: None,
+            recognised: None,
         };
-        if points.len() >= 10 {
-            self.place(&mut step, scan, &points);
+        let held = if points.len() >= LEAST_POINTS { self.place(&mut step, scan, points) } else { None };
+        let reason = match step.outcome {
+            Outcome::NotPlaced { reason } => reason,
+            Outcome::Placed { .. } => NotPlaced::NoMatch,
+        };
+        self.scans.push(held.unwrap_or(Held::Nowhere(reason)));
+        if held.is_none()
+            && let Some(motion) = &mut self.motion
+        {
+            motion.lost_scans += 1;
         }
-        self.outcomes.push(step.outcome);
         step
     }
 
-    fn place(&mut self, step: &mut Step, scan: &Scan, points: &[SidePoint]) {
-        let pose = match self.motion {
-            None => Pose::IDENTITY,
-            Some(motion) => {
-                let Some(found) = self.find(points, motion) else {
-                    step.outcome = Outcome::NotPlaced { reason: NotPlaced::NoMatch };
-                    return;
-                };
-                step.alignment = Some(found.alignment);
-                step.agreement = Some(found.agreement);
-                found.alignment.map_from_scan
-            }
-        };
-        step.outcome = Outcome::Placed { map_from_scan: pose };
-        let last = self.motion.map_or(pose, |m| m.map_from_scan);
-        self.motion = Some(Motion { map_from_scan: pose, step: last.inverse() * pose });
-        if self.is_keyframe(pose, step) {
-            let keyframe = Keyframe {
-                number: step.scan,
-                scan: scan.clone(),
-                polylines: step.extraction.polylines.clone(),
-                map_from_scan: pose,
+    fn place(&mut self, step: &mut Step, scan: &Scan, points: Vec<SidePoint>) -> Option<Held> {
+        let mut pose = Pose::IDENTITY;
+        if let Some(motion) = self.motion {
+            let found = place(&points, &self.local.skeleton, &motion, &self.settings.align, &self.settings.place);
+            let Some(Placement { alignment, agreement, .. }) = found else {
+                step.outcome = Outcome::NotPlaced { reason: NotPlaced::NoMatch };
+                return None;
             };
-            let merged = merge(&mut self.map, &keyframe, self.keyframes.len() as u32, &self.settings.merge);
-            step.merged = Some(merged);
-            self.keyframes.push(keyframe);
+            step.alignment = Some(alignment);
+            step.agreement = Some(agreement);
+            pose = alignment.map_from_scan;
         }
+        let last = self.motion.map_or(pose, |m| m.map_from_scan);
+        let gap = self.motion.map_or(0, |m| m.lost_scans);
+        let moved = if gap == 0 { last.inverse() * pose } else { Pose::IDENTITY };
+        self.motion = Some(Motion { map_from_scan: pose, step: moved, lost_scans: 0 });
+        if self.is_keyframe(pose, step) {
+            self.add_keyframe(step, scan, points, pose);
+            pose = self.motion.map_or(pose, |m| m.map_from_scan);
+        }
+        step.outcome = Outcome::Placed { map_from_scan: pose };
+        let keyframe = self.keyframes.len() - 1;
+        let keyframe_from_scan = self.keyframes[keyframe].map_from_scan.inverse() * pose;
+        Some(Held::By { keyframe, keyframe_from_scan })
     }
 
     fn is_keyframe(&self, pose: Pose, step: &Step) -> bool {
@@ -155,47 +182,109 @@ impl Mapper {
             || step.scan - keyframe.number >= 10
     }
 
-    fn find(&self, points: &[SidePoint], motion: Motion) -> Option<Placement> {
-        let predicted = Guess {
-            map_from_scan: motion.map_from_scan * motion.step,
-            sigma_m: 0.02 + 0.3 * motion.step.translation().norm(),
-            sigma_rad: 0.02 + 0.3 * motion.step.theta_rad.abs(),
+    fn add_keyframe(&mut self, step: &mut Step, scan: &Scan, points: Vec<SidePoint>, pose: Pose) {
+        let keyframe = Keyframe {
+            number: step.scan,
+            scan: scan.clone(),
+            polylines: step.extraction.polylines.clone(),
+            points,
+            map_from_scan: pose,
         };
-        let good = |p: &Placement| p.agreement.fit() > 0.75 && p.alignment.matched_share() > 0.5;
-        let first = self.try_pose(points, &predicted, Some(&predicted.prior()));
-        if first.as_ref().is_some_and(good) {
-            return first;
+        step.merged = Some(self.merge_locally(&keyframe));
+        if let Some(last) = self.keyframes.last() {
+            let motion = last.map_from_scan.inverse() * pose;
+            let information = step.alignment.map_or_else(Information::default, |a| edge_information(&a, last.map_from_scan));
+            let from = self.keyframes.len() - 1;
+            self.edges.push(Edge { from, to: from + 1, motion, information, is_loop: false });
+            self.local_way_m += motion.translation().norm();
+            self.unlooked_m += motion.translation().norm();
         }
-        let mut best = first;
-        for k in -18..=18 {
-            let turned = motion.map_from_scan * Pose::new(0.0, 0.0, f64::from(k) * 0.0873);
-            let guess = Guess { map_from_scan: turned, sigma_m: 0.15, sigma_rad: 0.05 };
-            let other = self.try_pose(points, &guess, None);
-            if let Some(o) = other
-                && best.as_ref().is_none_or(|b| o.agreement.score() > b.agreement.score())
-            {
-                best = Some(o);
+        self.keyframes.push(keyframe);
+        let mut moved = false;
+        if self.unlooked_m > 1.0 {
+            moved = self.look_for_known_place(step);
+        }
+        if moved || self.local_way_m > 6.0 {
+            self.renew_local_map();
+        }
+    }
+
+    fn merge_locally(&mut self, keyframe: &Keyframe) -> MergeReport {
+        self.merges += 1;
+        merge(&mut self.local, keyframe, self.merges, &self.settings.merge)
+    }
+
+    /// Returns whether a place was recognised.
+    fn look_for_known_place(&mut self, step: &mut Step) -> bool {
+        let newest = self.keyframes.len() - 1;
+        let ways = ways_m(self.keyframes.len(), &self.edges, newest, f64::INFINITY);
+        self.unlooked_m = 0.0;
+        let found = recognise(&self.keyframes, &ways, 2.0 * LOCAL_M, &self.settings.align, &self.settings.recognise);
+        let Some(mut edge) = found else { return false };
+        edge.information = loosened(&edge.information);
+        step.recognised = Some(self.keyframes[edge.from].number);
+        self.edges.push(edge);
+        self.optimise();
+        true
+    }
+
+    fn optimise(&mut self) {
+        let mut poses: Vec<Pose> = self.keyframes.iter().map(|k| k.map_from_scan).collect();
+        let last = poses[poses.len() - 1];
+        optimise(&mut poses, &self.edges);
+        for (keyframe, pose) in self.keyframes.iter_mut().zip(&poses) {
+            keyframe.map_from_scan = *pose;
+        }
+        if let Some(motion) = &mut self.motion {
+            motion.map_from_scan = poses[poses.len() - 1] * last.inverse() * motion.map_from_scan;
+        }
+    }
+
+    fn renew_local_map(&mut self) {
+        let newest = self.keyframes.len() - 1;
+        let ways = ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M);
+        self.local = GrowingMap::default();
+        self.local_way_m = 0.0;
+        for (k, way) in ways.iter().enumerate() {
+            if way.is_some() {
+                self.merges += 1;
+                merge(&mut self.local, &self.keyframes[k], self.merges, &self.settings.merge);
             }
         }
-        best.filter(|p| p.agreement.fit() > 0.5)
     }
 
-    fn try_pose(&self, points: &[SidePoint], guess: &Guess, prior: Option<&Prior>) -> Option<Placement> {
-        let alignment =
-            align_to_grid(points, &self.map.skeleton, |_, _| true, guess, prior, &self.settings.align)?;
-        let agreement = judge(points, &self.map.skeleton, alignment.map_from_scan, 0.10);
-        Some(Placement { alignment, agreement })
-    }
-
-    /// What became of every scan so far.
+    /// What became of every scan so far, in the map frame as it is now.
     #[must_use]
-    pub fn outcomes(&self) -> &[Outcome] {
-        &self.outcomes
+    pub fn outcomes(&self) -> Vec<Outcome> {
+        self.scans
+            .iter()
+            .map(|held| match *held {
+                Held::By { keyframe, keyframe_from_scan } => {
+                    Outcome::Placed { map_from_scan: self.keyframes[keyframe].map_from_scan * keyframe_from_scan }
+                }
+                Held::Nowhere(reason) => Outcome::NotPlaced { reason },
+            })
+            .collect()
     }
 
-    /// The map as it stands.
+    /// The map of all scans so far.
     #[must_use]
     pub fn map(&self) -> Map {
-        crate::finish::finish(&self.map, &self.keyframes, &self.settings.merge)
+        let mut map = GrowingMap::default();
+        for (k, keyframe) in (0..).zip(&self.keyframes) {
+            merge(&mut map, keyframe, k, &self.settings.merge);
+        }
+        crate::finish::finish(&map, &self.keyframes, &self.settings.merge)
     }
+}
+
+/// The information of an alignment, as that of an edge from the keyframe at `map_from_from`.
+fn edge_information(alignment: &Alignment, map_from_from: Pose) -> Information {
+    loosened(&alignment.information.turned(-map_from_from.theta_rad))
+}
+
+/// What the walls say is more than they know: the map they are compared with has errors of its own. Standard
+/// deviations of 5 mm and 0.1° are added.
+fn loosened(information: &Information) -> Information {
+    information.with_noise(0.005, 0.002)
 }

@@ -48,6 +48,45 @@ impl Information {
         self
     }
 
+    /// The same information by the axes of a frame that is turned: x′ = R(`by_rad`) x.
+    #[must_use]
+    pub fn turned(&self, by_rad: f64) -> Self {
+        let (sin, cos) = by_rad.sin_cos();
+        let turn = [[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]];
+        let mut rows = [[0.0; 3]; 3];
+        for (r, row) in rows.iter_mut().enumerate() {
+            for (c, cell) in row.iter_mut().enumerate() {
+                let times = self.times(turn[c]);
+                *cell = (0..3).map(|k| turn[r][k] * times[k]).sum();
+            }
+        }
+        Self { rows }
+    }
+
+    /// The information that is left when independent noise is added to the pose: (Ω⁻¹ + N)⁻¹, computed as
+    /// Ω − Ω (Ω + N⁻¹)⁻¹ Ω, which needs no inverse of Ω.
+    #[must_use]
+    pub fn with_noise(&self, sigma_m: f64, sigma_rad: f64) -> Self {
+        let sum = self.plus(&Self::from_sigmas(sigma_m, sigma_m, sigma_rad));
+        let mut rows = self.rows;
+        for c in 0..3 {
+            let column = [self.rows[0][c], self.rows[1][c], self.rows[2][c]];
+            let Some(solved) = sum.solve(column) else { return *self };
+            let times = self.times(solved);
+            for r in 0..3 {
+                rows[r][c] -= times[r];
+            }
+        }
+        for r in 0..3 {
+            for c in 0..r {
+                let mean = 0.5 * (rows[r][c] + rows[c][r]);
+                rows[r][c] = mean;
+                rows[c][r] = mean;
+            }
+        }
+        Self { rows }
+    }
+
     /// jᵀ · self · j.
     #[must_use]
     pub fn quadratic(&self, j: [f64; 3]) -> f64 {
@@ -144,6 +183,21 @@ mod tests {
         let covariance = information.covariance().unwrap();
         let unit = information.times([covariance[0][0], covariance[1][0], covariance[2][0]]);
         assert!((unit[0] - 1.0).abs() < 1e-9 && unit[1].abs() < 1e-9 && unit[2].abs() < 1e-9);
+    }
+
+    #[test]
+    fn added_noise_adds_to_the_covariance() {
+        let noisy = corner_and_corridor().with_noise(0.1, 0.05).covariance().unwrap();
+        let clean = corner_and_corridor().covariance().unwrap();
+        for (k, variance) in [0.01, 0.01, 0.0025].into_iter().enumerate() {
+            assert!((noisy[k][k] - clean[k][k] - variance).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_turned_corridor_is_weak_along_the_turned_axis() {
+        let (direction, _) = corner_and_corridor().turned(0.5).weakest_direction();
+        assert!(direction.cross(Point::from_polar(1.0, 0.5)).abs() < 0.05, "{direction:?}");
     }
 
     #[test]

@@ -84,6 +84,11 @@ impl SideGrid {
         &self.sides[side as usize]
     }
 
+    /// Every side in the grid, by polyline.
+    pub fn sides(&self) -> impl Iterator<Item = &Side> + Clone + '_ {
+        self.of_owner.iter().flatten().map(|&id| &self.sides[id as usize])
+    }
+
     /// Takes the sides of a polyline in; sides of no length are left out.
     pub fn insert(&mut self, owner: u32, vertices: impl IntoIterator<Item = Point>) {
         self.remove(owner);

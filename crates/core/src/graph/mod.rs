@@ -1,0 +1,180 @@
+//! Pose graph: keyframes and what is measured between them (not in the paper: "when errors occur, they will not be
+//! corrected nor eliminated").
+//!
+//! Nodes are keyframe poses xᵢ, edges measured motions zᵢⱼ with information Ωᵢⱼ. The residual of an edge is
+//! e = (Rᵢᵀ(tⱼ − tᵢ) − z_t, θⱼ − θᵢ − z_θ), in the frame of node i. Σ ρ(eᵀΩe) is minimised by Gauss–Newton steps with
+//! Levenberg's damping; ρ is Cauchy's log(1 + ·) on loop edges, so that a false one loses its pull, and the square on
+//! the others. The normal equations are solved by block elimination in order of least degree ([`sparse`]).
+
+mod sparse;
+
+use crate::align::Information;
+use crate::geometry::{Pose, wrap_rad};
+use sparse::{Block, System};
+
+/// A measured motion between two nodes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Edge {
+    pub from: usize,
+    pub to: usize,
+    /// `from_from_to`: the pose of node `to` seen from node `from`.
+    pub motion: Pose,
+    /// Information of the motion, axes of node `from`.
+    pub information: Information,
+    /// Found by recognising a place, and therefore possibly false.
+    pub is_loop: bool,
+}
+
+impl Edge {
+    /// Residual: metres, metres, radians.
+    pub fn residual(&self, poses: &[Pose]) -> [f64; 3] {
+        let seen = poses[self.from].inverse() * poses[self.to];
+        [seen.x - self.motion.x, seen.y - self.motion.y, wrap_rad(seen.theta_rad - self.motion.theta_rad)]
+    }
+
+    /// Cost, and the weight that Cauchy's ρ leaves the edge.
+    fn cost(&self, poses: &[Pose]) -> (f64, f64) {
+        let square = self.information.quadratic(self.residual(poses));
+        if self.is_loop { (square.ln_1p(), 1.0 / (1.0 + square)) } else { (square, 1.0) }
+    }
+
+    /// Derivatives of the residual by (x, y, θ) of either end.
+    fn jacobians(&self, poses: &[Pose]) -> (Block, Block) {
+        let (sin, cos) = poses[self.from].theta_rad.sin_cos();
+        let seen = poses[self.from].inverse() * poses[self.to];
+        let from = [[-cos, -sin, seen.y], [sin, -cos, -seen.x], [0.0, 0.0, -1.0]];
+        let to = [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]];
+        (from, to)
+    }
+}
+
+/// Steps at most; a graph that starts near its minimum takes three to eight.
+const MOST_STEPS: usize = 30;
+
+/// Moves all poses but the first so that they agree best with the edges. Returns the cost before and after.
+pub(crate) fn optimise(poses: &mut [Pose], edges: &[Edge]) -> (f64, f64) {
+    let total = |poses: &[Pose]| edges.iter().map(|e| e.cost(poses).0).sum::<f64>();
+    let before = total(poses);
+    let mut cost = before;
+    let mut damping = 1e-6;
+    for _ in 0..MOST_STEPS {
+        let Some(steps) = linearise(poses, edges, damping).solve() else { break };
+        let mut moved = poses.to_vec();
+        // The first keyframe is the map's frame and stays, to the bit.
+        for (pose, s) in moved.iter_mut().zip(&steps).skip(1) {
+            *pose = Pose::new(pose.x + s[0], pose.y + s[1], pose.theta_rad + s[2]);
+        }
+        let new = total(&moved);
+        if new > cost {
+            damping *= 100.0;
+            if damping > 1e9 {
+                break;
+            }
+            continue;
+        }
+        poses.copy_from_slice(&moved);
+        damping = (damping * 0.1).max(1e-9);
+        let gain = cost - new;
+        cost = new;
+        if gain < 1e-6 * (1.0 + cost) {
+            break;
+        }
+    }
+    (before, cost)
+}
+
+fn linearise(poses: &[Pose], edges: &[Edge], damping: f64) -> System {
+    let mut system = System::new(poses.len());
+    for edge in edges {
+        let residual = edge.residual(poses);
+        let (_, weight) = edge.cost(poses);
+        let (from, to) = edge.jacobians(poses);
+        system.add(edge.from, edge.to, (&from, &to), &edge.information, weight, residual);
+    }
+    system.damp(damping);
+    system.hold(0);
+    system
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A robot that drives a square of four metres a side and comes home, with drift.
+    fn square(loop_edges: &[(usize, usize, Pose)]) -> (Vec<Pose>, Vec<Pose>, Vec<Edge>) {
+        let step = Pose::new(1.0, 0.0, 0.0);
+        let turn = Pose::new(1.0, 0.0, std::f64::consts::FRAC_PI_2);
+        let mut truth = vec![Pose::IDENTITY];
+        let mut drifted = vec![Pose::IDENTITY];
+        let mut edges = Vec::new();
+        for k in 0..16 {
+            let motion = if k % 4 == 3 { turn } else { step };
+            let measured = Pose::new(motion.x * 1.01, 0.01, motion.theta_rad + 0.01);
+            truth.push(truth[k] * motion);
+            drifted.push(drifted[k] * measured);
+            edges.push(Edge {
+                from: k,
+                to: k + 1,
+                motion: measured,
+                information: Information::from_sigmas(0.02, 0.02, 0.02),
+                is_loop: false,
+            });
+        }
+        for &(from, to, motion) in loop_edges {
+            let information = Information::from_sigmas(0.01, 0.01, 0.005);
+            edges.push(Edge { from, to, motion, information, is_loop: true });
+        }
+        (truth, drifted, edges)
+    }
+
+    #[test]
+    fn coming_home_takes_the_drift_out() {
+        let (truth, mut poses, edges) = square(&[(0, 16, Pose::IDENTITY), (1, 15, Pose::new(-1.0, 1.0, -std::f64::consts::FRAC_PI_2))]);
+        let worst = |poses: &[Pose]| poses.iter().zip(&truth).map(|(p, t)| p.distance(*t)).fold(0.0, f64::max);
+        let before = worst(&poses);
+        let (cost_before, cost_after) = optimise(&mut poses, &edges[..17]);
+        assert!(cost_after < cost_before);
+        assert!(before > 0.4 && worst(&poses) < 0.1, "{before} → {}", worst(&poses));
+        assert_eq!(poses[0], Pose::IDENTITY);
+    }
+
+    #[test]
+    fn a_false_closure_loses_its_pull() {
+        let right = (0, 16, Pose::IDENTITY);
+        let (truth, mut poses, edges) = square(&[right, (4, 12, Pose::IDENTITY)]);
+        optimise(&mut poses, &edges);
+        let worst = poses.iter().zip(&truth).map(|(p, t)| p.distance(*t)).fold(0.0, f64::max);
+        assert!(worst < 0.2, "{worst}");
+    }
+
+    #[test]
+    fn jacobians_are_the_slopes_of_the_residual() {
+        let poses = [Pose::new(0.3, -0.4, 0.8), Pose::new(1.0, 2.0, -0.5)];
+        let edge = Edge {
+            from: 0,
+            to: 1,
+            motion: Pose::new(0.5, 0.1, 0.2),
+            information: Information::from_sigmas(1.0, 1.0, 1.0),
+            is_loop: false,
+        };
+        let (from, to) = edge.jacobians(&poses);
+        for (end, jacobian) in [(0, from), (1, to)] {
+            for axis in 0..3 {
+                let nudged = |h: f64| {
+                    let mut moved = poses;
+                    match axis {
+                        0 => moved[end].x += h,
+                        1 => moved[end].y += h,
+                        _ => moved[end].theta_rad += h,
+                    }
+                    edge.residual(&moved)
+                };
+                let (up, down) = (nudged(1e-6), nudged(-1e-6));
+                for row in 0..3 {
+                    let slope = (up[row] - down[row]) / 2e-6;
+                    assert!((slope - jacobian[row][axis]).abs() < 1e-6, "end {end} row {row} axis {axis}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,217 @@
+//! Places seen before: candidates for closing a loop, verified.
+//!
+//! In: the keyframes and the edges between them. Out: an edge from an old keyframe to the newest one, when the scans
+//! of the last metres fit the old place in exactly one way. A closure taken wrongly ruins a map, one missed is found
+//! a metre later: every test errs on the side of no.
+
+use crate::align::{AlignSettings, Guess, SidePoint, align_to_grid};
+use crate::geometry::{Pose, SideGrid, wrap_rad};
+use crate::graph::Edge;
+use crate::judge::{Agreement, judge};
+use crate::keyframe::Keyframe;
+use crate::placement::thinned;
+use crate::search::{Field, Window, search};
+
+/// When a place is recognised.
+#[derive(Clone, Copy, Debug)]
+pub struct RecogniseSettings {
+    /// Way back from the newest keyframe whose scans are compared, and on either side of the old keyframe, metres.
+    pub stretch_m: f64,
+    /// How far off the estimate may be, as a share of the way since.
+    pub drift_share: f64,
+    /// The same at the least and at the most, metres.
+    pub least_window_m: f64,
+    /// See `least_window_m`.
+    pub most_window_m: f64,
+    /// Share of the beams that must agree, of those that the old place says something of.
+    pub least_fit: f64,
+    /// Share of the beams that the old place must say something of.
+    pub least_known: f64,
+    /// By how much the second best pose must be worse.
+    pub least_lead: f64,
+}
+
+impl Default for RecogniseSettings {
+    fn default() -> Self {
+        Self {
+            stretch_m: 3.0,
+            drift_share: 0.04,
+            least_window_m: 1.0,
+            most_window_m: 6.0,
+            least_fit: 0.75,
+            least_known: 0.5,
+            least_lead: 0.10,
+        }
+    }
+}
+
+/// The part of a stretch of keyframes that is compared: every second half metre is enough.
+const STRETCH_STEP_M: f64 = 0.5;
+
+/// An edge from an old keyframe to the newest, if a place is recognised. `ways_m` are the ways along the graph from
+/// the newest keyframe ([`crate::keyframe::ways_m`]).
+pub(crate) fn recognise(
+    keyframes: &[Keyframe],
+    ways_m: &[Option<f64>],
+    local_m: f64,
+    align: &AlignSettings,
+    settings: &RecogniseSettings,
+) -> Option<Edge> {
+    let newest = keyframes.len().checked_sub(1)?;
+    let here = keyframes[newest].map_from_scan;
+    let travelled = |k: usize| ways_m[k].unwrap_or(f64::INFINITY);
+    let window_m = |k: usize| {
+        let drift_m = settings.drift_share * travelled(k).min(1e3);
+        drift_m.clamp(settings.least_window_m, settings.most_window_m)
+    };
+    let (old, off_m) = (0..newest)
+        .filter(|&k| travelled(k) > local_m)
+        .map(|k| (k, keyframes[k].map_from_scan.distance(here)))
+        .filter(|&(k, off_m)| off_m < window_m(k) + 1.0)
+        .min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let _ = off_m;
+    let place = Place::around(keyframes, old, settings.stretch_m);
+    let recent = stretch(keyframes, newest, settings.stretch_m, |k| k <= newest);
+    let matched = place.locate(keyframes, &recent, newest, window_m(old), align, settings)?;
+    let old_pose = keyframes[old].map_from_scan;
+    Some(Edge {
+        from: old,
+        to: newest,
+        motion: old_pose.inverse() * matched.map_from_scan,
+        information: matched.information,
+        is_loop: true,
+    })
+}
+
+/// Keyframes within `stretch_m` of path of keyframe `middle`, some half a metre apart.
+fn stretch(keyframes: &[Keyframe], middle: usize, stretch_m: f64, allowed: impl Fn(usize) -> bool) -> Vec<usize> {
+    let mut out = vec![middle];
+    for backwards in [true, false] {
+        let (mut k, mut path_m, mut since_m) = (middle, 0.0, 0.0);
+        loop {
+            let next = if backwards { k.checked_sub(1) } else { Some(k + 1).filter(|&n| n < keyframes.len()) };
+            let Some(next) = next.filter(|&n| allowed(n)) else { break };
+            let step = keyframes[k].map_from_scan.inverse() * keyframes[next].map_from_scan;
+            // A turn shows other walls as a way does: half a metre counts as much as 30°.
+            let step_m = step.translation().norm() + step.theta_rad.abs();
+            path_m += step_m;
+            since_m += step_m;
+            if path_m > stretch_m {
+                break;
+            }
+            if since_m >= STRETCH_STEP_M {
+                out.push(next);
+                since_m = 0.0;
+            }
+            k = next;
+        }
+    }
+    out.sort_unstable();
+    out
+}
+
+struct Matched {
+    map_from_scan: Pose,
+    information: crate::align::Information,
+}
+
+/// The walls seen around an old keyframe.
+struct Place {
+    sides: SideGrid,
+}
+
+impl Place {
+    fn around(keyframes: &[Keyframe], middle: usize, stretch_m: f64) -> Self {
+        let mut sides = SideGrid::default();
+        let mut owner = 0;
+        for k in stretch(keyframes, middle, stretch_m, |_| true) {
+            let keyframe = &keyframes[k];
+            for polyline in &keyframe.polylines {
+                sides.insert(owner, keyframe.map_from_scan.transform(polyline.polyline.vertices()));
+                owner += 1;
+            }
+        }
+        Self { sides }
+    }
+
+    /// The newest keyframe's pose by this place, if the recent scans fit it in one way only.
+    fn locate(
+        &self,
+        keyframes: &[Keyframe],
+        recent: &[usize],
+        newest: usize,
+        window_m: f64,
+        align: &AlignSettings,
+        settings: &RecogniseSettings,
+    ) -> Option<Matched> {
+        let here = keyframes[newest].map_from_scan;
+        let views: Vec<View> = recent.iter().map(|&k| View::new(&keyframes[k], here)).collect();
+        let points: Vec<SidePoint> = views.iter().flat_map(|v| v.points_in(v.newest_from_scan)).collect();
+        let reach_m = points.iter().map(|p| p.point.norm()).fold(0.0, f64::max) + window_m;
+        let field = Field::new(self.sides.sides().map(|s| s.segment), here.translation(), reach_m)?;
+        let window = Window { centre: here, half_m: window_m, half_rad: 0.5, wanted: 4, min_score: 0.3 };
+        let mut fits: Vec<(f64, Agreement, crate::align::Alignment)> = search(&field, &sparse(&points), &window)
+            .iter()
+            .filter_map(|candidate| {
+                let guess = Guess { map_from_scan: candidate.map_from_scan, sigma_m: 0.07, sigma_rad: 0.02 };
+                let alignment = align_to_grid(&points, &self.sides, |_, _| true, &guess, None, align)?;
+                let agreement = self.agreement(&views, alignment.map_from_scan);
+                Some((agreement.score(), agreement, alignment))
+            })
+            .collect();
+        fits.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let (score, agreement, alignment) = *fits.first()?;
+        let pose = alignment.map_from_scan;
+        let second = fits.iter().find(|(_, _, a)| {
+            let other = a.map_from_scan;
+            other.distance(pose) > 0.4 || wrap_rad(other.theta_rad - pose.theta_rad).abs() > 0.17
+        });
+        let lead = second.map_or(1.0, |s| score - s.0);
+        let believed = alignment.unobservable.is_none()
+            && agreement.fit() >= settings.least_fit
+            && agreement.known_share() >= settings.least_known
+            && lead >= settings.least_lead;
+        believed.then_some(Matched { map_from_scan: pose, information: alignment.information })
+    }
+
+    fn agreement(&self, views: &[View], map_from_newest: Pose) -> Agreement {
+        views.iter().fold(Agreement::default(), |sum, view| {
+            let a = judge(view.points, &self.sides, map_from_newest * view.newest_from_scan, 0.12);
+            Agreement {
+                beams: sum.beams + a.beams,
+                on_map: sum.on_map + a.on_map,
+                through: sum.through + a.through,
+                short: sum.short + a.short,
+                unknown: sum.unknown + a.unknown,
+            }
+        })
+    }
+}
+
+/// A recent scan, seen from the newest keyframe.
+struct View<'a> {
+    points: &'a [SidePoint],
+    newest_from_scan: Pose,
+}
+
+impl<'a> View<'a> {
+    fn new(keyframe: &'a Keyframe, map_from_newest: Pose) -> Self {
+        Self { points: &keyframe.points, newest_from_scan: map_from_newest.inverse() * keyframe.map_from_scan }
+    }
+
+    fn points_in(&self, newest_from_scan: Pose) -> impl Iterator<Item = SidePoint> + '_ {
+        self.points.iter().map(move |p| SidePoint {
+            point: newest_from_scan * p.point,
+            direction: newest_from_scan.rotate(p.direction),
+            ..*p
+        })
+    }
+}
+
+/// Points to search with: thinned, and no more than a few hundred.
+fn sparse(points: &[SidePoint]) -> Vec<(crate::geometry::Point, crate::geometry::Point)> {
+    const MOST: usize = 300;
+    let points = thinned(points);
+    let step = points.len().div_ceil(MOST).max(1);
+    points.into_iter().step_by(step).collect()
+}
