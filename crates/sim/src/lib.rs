@@ -1,1 +1,6 @@
-//! placeholder
+//! x
+mod dice;
+mod error;
+mod floor;
+pub mod plan;
+mod sides;
