@@ -66,8 +66,9 @@ fn room(floor: &mut Floor, dice: &mut Dice, bearing_rad: f64, outer_m: f64, apse
     let ahead = direction(bearing_rad);
     let left = ahead.left();
     let door_m = dice.built_m(1.2, 1.8);
-    let door = ahead * (outer_m + 0.1);
-    floor.paint(Paint::Free, turned_rectangle(door, 1.2, door_m, bearing_rad));
+    // From inside the ring to past the nearer wall of the room, oblique as it is.
+    let door = ahead * (outer_m + 0.2);
+    floor.paint(Paint::Free, turned_rectangle(door, 1.6, door_m, bearing_rad));
     let near_m = outer_m + 0.35;
     if apse {
         floor.paint(
