@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand};
 use polymapper_io::log::ReadOptions;
+use polymapper_sim::{PlanKind, ScannerKind};
 
 /// A polygonal map from 2D laser scans, without odometry.
 #[derive(Parser)]
@@ -22,6 +24,8 @@ pub enum Command {
     Build(BuildArgs),
     /// Write the polylines of every scan, one JSON object a line
     Extract(ExtractArgs),
+    /// Write a log of a made-up place, and the truth about it
+    Simulate(SimulateArgs),
     /// Build a map of a real log that comes with the program
     Demo(DemoArgs),
 }
@@ -77,4 +81,40 @@ pub struct DemoArgs {
     /// Folder for the result; made if it is not there
     #[arg(short, long, value_name = "FOLDER", default_value = "polymapper-demo")]
     pub output: PathBuf,
+}
+
+#[derive(clap::Args)]
+pub struct SimulateArgs {
+    /// Kind of floor plan
+    #[arg(long, default_value = "office", value_parser = plan_kind())]
+    pub plan: PlanKind,
+    /// Seed of everything that is drawn at random
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+    /// Device
+    #[arg(long, default_value = "sick180", value_parser = scanner_kind())]
+    pub scanner: ScannerKind,
+    /// People who walk about
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub people: usize,
+    /// Keep a scan every metre or 40° only
+    #[arg(long)]
+    pub keyframes: bool,
+    /// Most scans [default: the whole tour]
+    #[arg(long, value_name = "N")]
+    pub scans: Option<usize>,
+    /// CARMEN log to write, gzip if the name ends in .gz; `-` is standard output
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// File for the truth (poses, walls, people) [default: beside the log, ending in .truth.json]
+    #[arg(long, value_name = "FILE")]
+    pub truth: Option<PathBuf>,
+}
+
+fn plan_kind() -> impl TypedValueParser<Value = PlanKind> {
+    PossibleValuesParser::new(PlanKind::ALL.map(PlanKind::name)).try_map(|name| name.parse())
+}
+
+fn scanner_kind() -> impl TypedValueParser<Value = ScannerKind> {
+    PossibleValuesParser::new(ScannerKind::ALL.map(ScannerKind::name)).try_map(|name| name.parse())
 }

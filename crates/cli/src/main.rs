@@ -43,6 +43,7 @@ fn main() -> ExitCode {
     let result = match args.command {
         Command::Build(args) => commands::build::run(&args),
         Command::Extract(args) => commands::extract::run(&args),
+        Command::Simulate(args) => commands::simulate::run(&args),
         Command::Demo(args) => commands::demo::run(&args),
     };
     match result {

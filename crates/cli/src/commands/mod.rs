@@ -3,3 +3,4 @@
 pub mod build;
 pub mod demo;
 pub mod extract;
+pub mod simulate;
