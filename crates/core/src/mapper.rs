@@ -1,7 +1,7 @@
 //! The pipeline: scan → polylines → match → alignment → merge → map.
 
 use crate::align::{AlignSettings, Alignment, Information, SidePoint};
-use crate::extract::{ExtractSettings, Extraction, extract};
+use crate::extract::{ExtractSettings, Extraction, RunningNoise, extract};
 use crate::geometry::{Pose, wrap_rad};
 use crate::graph::{Edge, optimise};
 use crate::judge::Agreement;
@@ -87,6 +87,7 @@ pub struct Mapper {
     /// Way since the local map was last made anew, metres.
     local_way_m: f64,
     merges: u32,
+    noise: RunningNoise,
     scans: Vec<Held>,
     motion: Option<Motion>,
     keyframes: Vec<Keyframe>,
@@ -110,6 +111,7 @@ impl Mapper {
             local: GrowingMap::default(),
             local_way_m: 0.0,
             merges: 0,
+            noise: RunningNoise::default(),
             scans: Vec::new(),
             motion: None,
             keyframes: Vec::new(),
@@ -121,7 +123,12 @@ impl Mapper {
     /// Places the next scan and merges it.
     pub fn add_scan(&mut self, scan: &Scan) -> Step {
         let number = self.scans.len();
-        let extraction = extract(scan, &self.settings.extract);
+        self.noise.observe(scan);
+        let settings = ExtractSettings {
+            noise_m: self.settings.extract.noise_m.or(self.noise.sigma_m()),
+            ..self.settings.extract
+        };
+        let extraction = extract(scan, &settings);
         let points = side_points(scan, &extraction.polylines, extraction.noise_m);
         let mut step = Step {
             scan: number,

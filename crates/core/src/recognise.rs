@@ -5,7 +5,7 @@
 //! a metre later: every test errs on the side of no.
 
 use crate::align::{AlignSettings, Guess, SidePoint, align_to_grid};
-use crate::geometry::{Pose, SideGrid, wrap_rad};
+use crate::geometry::{Point, Pose, SideGrid, wrap_rad};
 use crate::graph::Edge;
 use crate::judge::{Agreement, judge};
 use crate::keyframe::Keyframe;
@@ -64,12 +64,12 @@ pub(crate) fn recognise(
         let drift_m = settings.drift_share * travelled(k).min(1e3);
         drift_m.clamp(settings.least_window_m, settings.most_window_m)
     };
-    let (old, off_m) = (0..newest)
+    let seen_here = seen_around(&keyframes[newest]);
+    let (old, _) = (0..newest)
         .filter(|&k| travelled(k) > local_m)
-        .map(|k| (k, keyframes[k].map_from_scan.distance(here)))
-        .filter(|&(k, off_m)| off_m < window_m(k) + 1.0)
+        .map(|k| (k, seen_around(&keyframes[k]).distance(seen_here)))
+        .filter(|&(k, off_m)| off_m < window_m(k) + SAME_VIEW_M)
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let _ = off_m;
     let place = Place::around(keyframes, old, settings.stretch_m);
     let recent = stretch(keyframes, newest, settings.stretch_m, |k| k <= newest);
     let matched = place.locate(keyframes, &recent, newest, window_m(old), align, settings)?;
@@ -81,6 +81,16 @@ pub(crate) fn recognise(
         information: matched.information,
         is_loop: true,
     })
+}
+
+/// Scans whose middles are farther apart than this, besides the drift, show different things.
+const SAME_VIEW_M: f64 = 3.0;
+
+/// The middle of what a keyframe saw, map frame: two scans show the same walls when these are near, wherever the
+/// scanner stood.
+fn seen_around(keyframe: &Keyframe) -> Point {
+    let sum = keyframe.points.iter().fold(Point::default(), |sum, p| sum + p.point);
+    keyframe.map_from_scan * (sum / keyframe.points.len().max(1) as f64)
 }
 
 /// Keyframes within `stretch_m` of path of keyframe `middle`, some half a metre apart.
@@ -167,6 +177,7 @@ impl Place {
             other.distance(pose) > 0.4 || wrap_rad(other.theta_rad - pose.theta_rad).abs() > 0.17
         });
         let lead = second.map_or(1.0, |s| score - s.0);
+        if std::env::var("DBG").is_ok() { eprintln!("kf {} scan {} vs scans window {window_m:.1} cands {} fit {:.2} known {:.2} lead {lead:.2} score {score:.2} unobs {} off {:?}", newest, keyframes[newest].number, fits.len(), agreement.fit(), agreement.known_share(), alignment.unobservable.is_some(), here.inverse()*pose); }
         let believed = alignment.unobservable.is_none()
             && agreement.fit() >= settings.least_fit
             && agreement.known_share() >= settings.least_known
@@ -209,7 +220,7 @@ impl<'a> View<'a> {
 }
 
 /// Points to search with: thinned, and no more than a few hundred.
-fn sparse(points: &[SidePoint]) -> Vec<(crate::geometry::Point, crate::geometry::Point)> {
+fn sparse(points: &[SidePoint]) -> Vec<(Point, Point)> {
     const MOST: usize = 300;
     let points = thinned(points);
     let step = points.len().div_ceil(MOST).max(1);

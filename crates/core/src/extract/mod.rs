@@ -28,7 +28,7 @@ use crate::scan::Scan;
 pub use chain::simplify_chain;
 pub use evolve::{Stop, evolve, evolve_by, relevance_m};
 pub use group::GroupSettings;
-pub use noise::{NOISE_DEFAULT_M, NOISE_FLOOR_M, estimate_noise_m};
+pub use noise::{NOISE_DEFAULT_M, NOISE_FLOOR_M, RunningNoise, estimate_noise_m};
 
 /// A polyline of a scan and the beams it came from.
 #[derive(Clone, Debug, PartialEq)]

@@ -37,3 +37,34 @@ pub fn estimate_noise_m(scan: &Scan) -> Option<f64> {
     let (_, median_m, _) = residuals_m.select_nth_unstable_by(middle, f64::total_cmp);
     Some((*median_m / (0.6745 * 1.5_f64.sqrt())).max(NOISE_FLOOR_M))
 }
+
+/// Noise of a scanner over many scans.
+///
+/// Single scans of cluttered places give estimates up to ten times too high, and the noise of a scanner does not
+/// change: the lower quartile of the estimates so far, followed by steps that shrink to 2 % (Robbins and Monro 1951).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct RunningNoise {
+    sigma_m: Option<f64>,
+    scans: u32,
+}
+
+impl RunningNoise {
+    /// Takes the next scan into account.
+    pub fn observe(&mut self, scan: &Scan) {
+        const QUANTILE: f64 = 0.25;
+        let Some(now_m) = estimate_noise_m(scan) else { return };
+        self.scans += 1;
+        let gain = (1.0 / f64::from(self.scans)).max(0.02);
+        self.sigma_m = Some(match self.sigma_m {
+            None => now_m,
+            Some(before_m) if now_m > before_m => before_m * (gain * QUANTILE).exp(),
+            Some(before_m) => before_m * (-gain * (1.0 - QUANTILE)).exp(),
+        });
+    }
+
+    /// Standard deviation of a range, metres; `None` before the first scan that tells.
+    #[must_use]
+    pub fn sigma_m(&self) -> Option<f64> {
+        self.sigma_m
+    }
+}
