@@ -1,7 +1,5 @@
 //! A simulated log goes in where a real one does.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail by panic")]
-
 use std::fs;
 use std::process::Command;
 

@@ -5,7 +5,7 @@
 //! a stream that breaks off ends the log with an error after everything before it was given out.
 //!
 //! A format is one module with two functions, `recognise` (does the head look like mine?) and `open`,
-//! listed in [`FORMATS`].
+//! listed in `FORMATS`.
 
 mod carmen;
 mod error;
