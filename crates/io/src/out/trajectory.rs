@@ -59,16 +59,17 @@ pub fn write_trajectory_csv(out: &mut impl Write, rows: &[TrajectoryRow]) -> io:
 
 /// Writes `trajectory.tum`: `key x y z qx qy qz qw`, a row for every placed scan.
 ///
-/// The key is the stamp, or the place in the log for all rows when a placed scan has no stamp.
+/// The key is the stamp. Where the stamps of the placed scans do not grow from row to row (missing, all the same,
+/// running backwards), it is the place in the log for all rows: tools for TUM files need keys that grow.
 ///
 /// # Errors
 /// Those of `out`.
 pub fn write_trajectory_tum(out: &mut impl Write, rows: &[TrajectoryRow]) -> io::Result<()> {
-    let placed = |row: &TrajectoryRow| matches!(row.outcome, Outcome::Placed { .. });
-    let by_stamp = rows
+    let placed = rows
         .iter()
-        .filter(|row| placed(row))
-        .all(|row| row.stamp_s.is_some());
+        .filter(|row| matches!(row.outcome, Outcome::Placed { .. }));
+    let stamps_s: Option<Vec<f64>> = placed.map(|row| row.stamp_s).collect();
+    let by_stamp = stamps_s.is_some_and(|stamps_s| stamps_s.is_sorted_by(|a, b| a < b));
     for row in rows {
         let Outcome::Placed { map_from_scan: p } = &row.outcome else {
             continue;
@@ -135,17 +136,19 @@ mod tests {
     #[test]
     fn tum_rows_are_keyed_by_stamp_or_all_by_place() {
         let quarter_turn = "1.0000 2.0000 0 0 0 0.7071068 0.7071068\n";
-        let by_stamp = text(|out| write_trajectory_tum(out, &rows()));
-        assert!(
-            by_stamp.ends_with(&format!("\n1.500000 {quarter_turn}")),
-            "{by_stamp}"
-        );
         let mut rows = rows();
-        rows[0].stamp_s = None;
-        let by_place = text(|out| write_trajectory_tum(out, &rows));
-        assert_eq!(
-            by_place,
-            format!("0 0.0000 0.0000 0 0 0 0.0000000 1.0000000\n2 {quarter_turn}")
-        );
+        rows[2].stamp_s = Some(976_052_858.0);
+        let by_stamp = text(|out| write_trajectory_tum(out, &rows));
+        let last = format!("\n976052858.000000 {quarter_turn}");
+        assert!(by_stamp.ends_with(&last), "{by_stamp}");
+        let expected = format!("0 0.0000 0.0000 0 0 0 0.0000000 1.0000000\n2 {quarter_turn}");
+        for useless in [None, Some(1.5), rows[0].stamp_s] {
+            rows[2].stamp_s = useless;
+            assert_eq!(
+                text(|out| write_trajectory_tum(out, &rows)),
+                expected,
+                "{useless:?}"
+            );
+        }
     }
 }
