@@ -1,2 +1,66 @@
-//! placeholder
-fn main() {}
+//! `polymapper`: a polygonal map from a laser log, in one command.
+//!
+//! Standard output is for data, standard error for talk. Exit codes: 0 done, 1 failed, 2 wrong usage,
+//! 3 done, but with scans not placed or input skipped. A reader of our output that goes away (`| head`) is no
+//! failure.
+
+mod args;
+mod clock;
+mod commands;
+mod interrupt;
+mod mapping;
+mod memory;
+mod pictures;
+mod progress;
+mod scans;
+mod talk;
+
+use std::io;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::args::{Args, Command};
+use crate::talk::say;
+
+/// How a command that did not fail came to its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Finish {
+    /// Everything was used.
+    Whole,
+    /// Something was left out, and said.
+    WithLoss,
+}
+
+impl Finish {
+    fn with_loss(loss: bool) -> Self {
+        if loss { Self::WithLoss } else { Self::Whole }
+    }
+}
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    let result = match args.command {
+        Command::Build(args) => commands::build::run(&args),
+        Command::Extract(args) => commands::extract::run(&args),
+        Command::Simulate(args) => commands::simulate::run(&args),
+        Command::Demo(args) => commands::demo::run(&args),
+    };
+    match result {
+        Ok(Finish::Whole) => ExitCode::SUCCESS,
+        Ok(Finish::WithLoss) => ExitCode::from(3),
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            say(format_args!("error: {error:#}"));
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Whether whoever read our standard output has gone.
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error
+        .chain()
+        .filter_map(|cause| cause.downcast_ref::<io::Error>())
+        .any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
+}

@@ -1,1 +1,22 @@
-//! placeholder
+//! x
+mod dice;
+mod error;
+mod floor;
+mod motion;
+mod odometry;
+mod people;
+pub mod plan;
+mod scanner;
+mod seen;
+mod sides;
+mod simulate;
+mod terrain;
+mod write;
+pub use error::SimError;
+pub use motion::Motion;
+pub use odometry::OdometryNoise;
+pub use plan::{Plan, PlanKind, Plant};
+pub use scanner::{Scanner, ScannerKind};
+pub use seen::{SeenWalls, WallPiece};
+pub use simulate::{Hit, SimLog, SimSettings, simulate};
+pub use terrain::CLEARANCE_M;

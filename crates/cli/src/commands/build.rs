@@ -1,0 +1,360 @@
+//! `polymapper build`: log → map, trajectory, report.
+//!
+//! The folder is tried and the log opened before any work; the scans go to the mapper one by one; at the end,
+//! whether by the log's end, a fault in it, or Ctrl-C, everything is written whole.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, bail};
+use polymapper_core::geometry::Polyline;
+use polymapper_core::map::Map;
+use polymapper_core::mapper::Settings;
+use polymapper_io::log::{Entry, LineFault, Log};
+use polymapper_io::out::{
+    AtomicFile, InputReport, MapFile, MapReport, Outcome, Report, ScanReport, TrajectoryRow, prepare_folder,
+    write_map, write_trajectory_csv, write_trajectory_tum,
+};
+
+use crate::args::BuildArgs;
+use crate::clock::StageClock;
+use crate::interrupt::Interrupt;
+use crate::mapping::{CoreMapping, Mapping};
+use crate::scans::{self, Reading};
+use crate::talk::say;
+use crate::{Finish, memory, pictures};
+
+/// Runs the command.
+pub fn run(args: &BuildArgs) -> anyhow::Result<Finish> {
+    prepare_folder(&args.output)?;
+    let log = scans::open(&args.log.log, args.log.read_options())?;
+    let odometry_used = args.log.use_odometry;
+    if odometry_used {
+        bail!("--use-odometry: the mapper does not take odometry yet");
+    }
+    build(
+        log,
+        CoreMapping::new(Settings::default()),
+        &args.output,
+        odometry_used,
+        &Interrupt::listen()?,
+    )
+}
+
+/// Builds the map of `log` and writes everything into `folder`, which is there and writable.
+pub fn build(
+    mut log: Log,
+    mut mapper: impl Mapping,
+    folder: &Path,
+    odometry_used: bool,
+    interrupt: &Interrupt,
+) -> anyhow::Result<Finish> {
+    let mut clock = StageClock::new(&["read"]);
+    let mut lines = Vec::new();
+    clock.enter("read");
+    let reading = scans::for_each(&mut log, interrupt, |entry| {
+        lines.push(LaserLine::of(&entry));
+        if let Entry::Scan(scan) = entry {
+            mapper.add_scan(&scan.scan, scan.odometry, &mut clock);
+            clock.enter("read");
+        }
+        Ok(())
+    })?;
+    let settings = mapper.settings();
+    let finished = mapper.finish(&mut clock);
+    clock.enter("write");
+    let rows = trajectory(lines, finished.outcomes)?;
+    write_result(folder, &finished.map, &rows, reading.partial.as_deref())?;
+    clock.enter("draw");
+    pictures::write(folder, &finished.map, &rows, log.name())?;
+    let report = Report {
+        generator: concat!("polymapper ", env!("CARGO_PKG_VERSION")).to_owned(),
+        partial: reading.partial.clone(),
+        input: InputReport::new(log.name(), log.format(), odometry_used, &reading.tally),
+        scans: scan_report(&rows),
+        map: map_report(&finished.map, folder)?,
+        stages: clock.times(),
+        peak_memory_bytes: memory::peak_bytes(),
+        settings,
+        notes: reading.tally.notes.clone(),
+    };
+    AtomicFile::write(&folder.join("report.json"), |f| report.write(f))?;
+    tell(&report, &reading, folder);
+    Ok(Finish::with_loss(
+        reading.has_loss() || report.scans.not_placed > 0,
+    ))
+}
+
+/// What is kept of a laser line until the poses are known.
+struct LaserLine {
+    stamp_s: Option<f64>,
+    fault: Option<(u64, LineFault)>,
+}
+
+impl LaserLine {
+    fn of(entry: &Entry) -> Self {
+        match entry {
+            Entry::Scan(scan) => Self {
+                stamp_s: scan.stamp_s,
+                fault: None,
+            },
+            Entry::Bad(bad) => Self {
+                stamp_s: None,
+                fault: Some((bad.line, bad.fault.clone())),
+            },
+        }
+    }
+}
+
+/// A row for every laser line: the mapper's outcomes in order, and between them the lines that it never saw.
+fn trajectory(lines: Vec<LaserLine>, outcomes: Vec<Outcome>) -> anyhow::Result<Vec<TrajectoryRow>> {
+    let mut outcomes = outcomes.into_iter();
+    let row = |(scan, line): (usize, LaserLine)| {
+        let outcome = match line.fault {
+            Some((number, fault)) => Outcome::NotPlaced {
+                reason: format!("{UNUSABLE} {number}: {fault}"),
+            },
+            None => outcomes
+                .next()
+                .with_context(|| format!("the mapper says nothing about scan {scan}"))?,
+        };
+        Ok(TrajectoryRow {
+            scan,
+            stamp_s: line.stamp_s,
+            outcome,
+        })
+    };
+    lines.into_iter().enumerate().map(row).collect()
+}
+
+/// How the reason of a line that could not be used begins.
+const UNUSABLE: &str = "unusable line";
+
+fn write_result(
+    folder: &Path,
+    map: &Map,
+    rows: &[TrajectoryRow],
+    partial: Option<&str>,
+) -> anyhow::Result<()> {
+    let file = MapFile {
+        map: map.clone(),
+        partial: partial.map(str::to_owned),
+    };
+    AtomicFile::write(&folder.join("map.json"), |f| write_map(f, &file))?;
+    AtomicFile::write(&folder.join("trajectory.csv"), |f| write_trajectory_csv(f, rows))?;
+    AtomicFile::write(&folder.join("trajectory.tum"), |f| write_trajectory_tum(f, rows))?;
+    Ok(())
+}
+
+fn scan_report(rows: &[TrajectoryRow]) -> ScanReport {
+    let mut by_reason = BTreeMap::new();
+    for row in rows {
+        if let Outcome::NotPlaced { reason } = &row.outcome {
+            let reason = if reason.starts_with(UNUSABLE) {
+                UNUSABLE
+            } else {
+                reason
+            };
+            *by_reason.entry(reason.to_owned()).or_insert(0) += 1;
+        }
+    }
+    let not_placed = by_reason.values().sum();
+    ScanReport {
+        read: rows.len(),
+        placed: rows.len() - not_placed,
+        not_placed,
+        not_placed_by_reason: by_reason,
+    }
+}
+
+fn map_report(map: &Map, folder: &Path) -> anyhow::Result<MapReport> {
+    let length_m: f64 = map
+        .polylines
+        .iter()
+        .filter_map(|p| p.polyline().as_ref().map(Polyline::length_m))
+        .sum();
+    Ok(MapReport {
+        polylines: map.polylines.len(),
+        vertices: map.polylines.iter().map(|p| p.vertices.len()).sum(),
+        length_m: (length_m * 1e3).round() / 1e3,
+        eraser_boxes: map.eraser_boxes.len(),
+        bytes: fs::metadata(folder.join("map.json"))
+            .context("map.json is gone")?
+            .len(),
+    })
+}
+
+fn tell(report: &Report, reading: &Reading, folder: &Path) {
+    let (scans, map) = (&report.scans, &report.map);
+    say(format_args!(
+        "{} of {} scans placed; {} polylines, {} vertices, {:.1} m, {} bytes: {}",
+        scans.placed,
+        scans.read,
+        map.polylines,
+        map.vertices,
+        map.length_m,
+        map.bytes,
+        folder.join("map.json").display()
+    ));
+    say(format_args!("picture: {}", folder.join(pictures::PNG).display()));
+    for (reason, count) in &scans.not_placed_by_reason {
+        say(format_args!("not placed: {count} ({reason})"));
+    }
+    if let Some(partial) = &reading.partial {
+        say(format_args!("the result is partial: {partial}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use polymapper_core::geometry::{Point, Pose};
+    use polymapper_core::map::{MapPolyline, MapVertex};
+    use polymapper_core::scan::Scan;
+    use polymapper_io::log::ReadOptions;
+    use polymapper_io::out::read_map;
+
+    use super::*;
+    use crate::mapping::Finished;
+
+    /// Puts scan k at (k, 0) and refuses those without returns; the map is one wall.
+    #[derive(Default)]
+    struct Rail {
+        outcomes: Vec<Outcome>,
+        interrupt_after: Option<(usize, Interrupt)>,
+    }
+
+    impl Mapping for Rail {
+        fn add_scan(&mut self, scan: &Scan, _odometry: Option<Pose>, clock: &mut StageClock) {
+            clock.enter("map");
+            self.outcomes.push(match scan.returns() {
+                0 => Outcome::NotPlaced {
+                    reason: "no returns".to_owned(),
+                },
+                _ => Outcome::Placed {
+                    map_from_scan: Pose::new(self.outcomes.len() as f64, 0.0, 0.0),
+                },
+            });
+            if let Some((after, interrupt)) = &self.interrupt_after
+                && *after == self.outcomes.len()
+            {
+                interrupt.ask();
+            }
+        }
+
+        fn finish(self, clock: &mut StageClock) -> Finished {
+            clock.enter("finish");
+            let vertex = |x, y| MapVertex {
+                point: Point::new(x, y),
+                observations: 1,
+                sigma_m: 0.01,
+            };
+            let wall = MapPolyline {
+                id: 1,
+                vertices: vec![vertex(0.0, 0.0), vertex(3.0, 4.0)],
+            };
+            Finished {
+                map: Map {
+                    polylines: vec![wall],
+                    eraser_boxes: Vec::new(),
+                },
+                outcomes: self.outcomes,
+            }
+        }
+
+        fn settings(&self) -> serde_json::Value {
+            serde_json::json!({})
+        }
+    }
+
+    struct Built {
+        finish: anyhow::Result<Finish>,
+        folder: tempfile::TempDir,
+    }
+
+    impl Built {
+        fn read(&self, name: &str) -> String {
+            fs::read_to_string(self.folder.path().join(name)).unwrap()
+        }
+
+        fn report(&self) -> serde_json::Value {
+            serde_json::from_str(&self.read("report.json")).unwrap()
+        }
+    }
+
+    fn build_text(text: &str, mapper: Rail, interrupt: &Interrupt) -> Built {
+        let folder = tempfile::tempdir().unwrap();
+        let path: PathBuf = folder.path().join("test.log");
+        fs::write(&path, text).unwrap();
+        let log = scans::open(&path, ReadOptions::default()).unwrap();
+        let finish = build(log, mapper, folder.path(), false, interrupt);
+        Built { finish, folder }
+    }
+
+    const GOOD: &str = "FLASER 3 1 1 1 0 0 0 0 0 0 5.5 host 1\n";
+    const BLIND: &str = "FLASER 3 nan inf 0 0 0 0 0 0 0 6.5 host 1\n";
+    const WRONG: &str = "FLASER 4 1 1 1 0 0 0 0 0 0 7.5 host 1\n";
+
+    #[test]
+    fn every_laser_line_has_its_row_and_reason() {
+        let text = format!("{GOOD}{WRONG}{BLIND}{GOOD}");
+        let built = build_text(&text, Rail::default(), &Interrupt::default());
+        assert_eq!(built.finish.as_ref().unwrap(), &Finish::WithLoss);
+        let expected = "scan,stamp_s,x_m,y_m,theta_rad,outcome,reason\n\
+             0,5.500000,0.0000,0.0000,0.000000,placed,\n\
+             1,,,,,not_placed,\"unusable line 2: 3 ranges, but the header says 4\"\n\
+             2,6.500000,,,,not_placed,no returns\n\
+             3,5.500000,2.0000,0.0000,0.000000,placed,\n";
+        assert_eq!(built.read("trajectory.csv"), expected);
+        let scans = &built.report()["scans"];
+        assert_eq!(
+            scans["not_placed_by_reason"],
+            serde_json::json!({"no returns": 1, "unusable line": 1})
+        );
+        assert_eq!((&scans["read"], &scans["placed"]), (&4.into(), &2.into()));
+    }
+
+    #[test]
+    fn a_whole_log_is_reported_as_such() {
+        let built = build_text(&GOOD.repeat(3), Rail::default(), &Interrupt::default());
+        assert_eq!(built.finish.as_ref().unwrap(), &Finish::Whole);
+        let report = built.report();
+        assert_eq!(report["map"]["length_m"], 5.0);
+        assert_eq!(report["map"]["bytes"], built.read("map.json").len());
+        assert!(report["partial"].is_null());
+        let stages: Vec<&str> = report["stages"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|s| s["stage"].as_str().unwrap())
+            .collect();
+        assert_eq!(stages, ["read", "map", "finish", "write", "draw"]);
+    }
+
+    #[test]
+    fn ctrl_c_leaves_a_partial_map_and_says_so() {
+        let interrupt = Interrupt::default();
+        let mapper = Rail {
+            interrupt_after: Some((2, interrupt.clone())),
+            ..Rail::default()
+        };
+        let built = build_text(&GOOD.repeat(9), mapper, &interrupt);
+        assert_eq!(built.finish.as_ref().unwrap(), &Finish::WithLoss);
+        let map = read_map(&built.folder.path().join("map.json")).unwrap();
+        assert_eq!(map.partial.as_deref(), Some("stopped by hand after 2 scans"));
+        assert_eq!(built.read("trajectory.csv").lines().count(), 1 + 2);
+    }
+
+    #[test]
+    fn a_log_of_unusable_lines_is_a_failure_and_leaves_no_map() {
+        let built = build_text(&WRONG.repeat(2), Rail::default(), &Interrupt::default());
+        let error = built.finish.as_ref().unwrap_err().to_string();
+        assert!(
+            error.contains("none of its 2 scans can be used; the first: line 1: 3 ranges"),
+            "{error}"
+        );
+        assert!(!built.folder.path().join("map.json").exists());
+    }
+}

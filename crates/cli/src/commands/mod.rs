@@ -1,0 +1,6 @@
+//! One module a command.
+
+pub mod build;
+pub mod demo;
+pub mod extract;
+pub mod simulate;

@@ -1,0 +1,38 @@
+//! The pictures of a build: `map.svg` and `map.png`.
+
+use std::io::Write;
+use std::path::Path;
+
+use polymapper_core::geometry::Pose;
+use polymapper_core::map::Map;
+use polymapper_draw::{TrajectoryPoint, map_picture, to_png, to_svg};
+use polymapper_io::out::{AtomicFile, Outcome, TrajectoryRow};
+
+/// Name of the picture that every program shows.
+pub const PNG: &str = "map.png";
+
+/// Draws the map with the way of the scanner, titled by the name of the log.
+pub fn write(folder: &Path, map: &Map, rows: &[TrajectoryRow], log_name: &str) -> anyhow::Result<()> {
+    let way: Vec<TrajectoryPoint> = rows.iter().map(point).collect();
+    let title = Path::new(log_name)
+        .file_name()
+        .map_or_else(|| log_name.into(), |name| name.to_string_lossy());
+    let scene = map_picture(map, &way, &title);
+    AtomicFile::write(&folder.join("map.svg"), |f| {
+        f.write_all(to_svg(&scene).as_bytes())
+    })?;
+    let png = to_png(&scene)?;
+    AtomicFile::write(&folder.join(PNG), |f| f.write_all(&png))?;
+    Ok(())
+}
+
+fn point(row: &TrajectoryRow) -> TrajectoryPoint {
+    let (map_from_scan, placed) = match row.outcome {
+        Outcome::Placed { map_from_scan } => (map_from_scan, true),
+        Outcome::NotPlaced { .. } => (Pose::IDENTITY, false),
+    };
+    TrajectoryPoint {
+        map_from_scan,
+        placed,
+    }
+}

@@ -1,0 +1,100 @@
+//! Goes through the scans of a log with progress bar, Ctrl-C and the faults of the log told.
+
+use std::path::Path;
+
+use anyhow::{Context, bail};
+use polymapper_io::log::{self, BadScan, Entry, Log, LogError, Tally};
+
+use crate::interrupt::Interrupt;
+use crate::progress::Progress;
+
+/// Faulty lines that are told one by one; the rest is only counted.
+const MOST_TOLD: usize = 5;
+
+/// How the reading of a log ended.
+pub struct Reading {
+    pub tally: Tally,
+    /// Why the log was not read to its end; `None` when it was.
+    pub partial: Option<String>,
+}
+
+impl Reading {
+    /// Whether something of the log was not used.
+    pub fn has_loss(&self) -> bool {
+        self.partial.is_some() || self.tally.bad_scans > 0
+    }
+}
+
+/// Gives every laser line of `log` to `each`, until the end, a fault of the stream, or Ctrl-C.
+///
+/// # Errors
+/// Those of `each`; a log without one usable scan.
+pub fn for_each(
+    log: &mut Log,
+    interrupt: &Interrupt,
+    mut each: impl FnMut(Entry) -> anyhow::Result<()>,
+) -> anyhow::Result<Reading> {
+    let progress = Progress::new(log.progress());
+    let name = log.name().to_owned();
+    let (mut done, mut told) = (0, 0);
+    let mut first_bad = None;
+    let mut partial = None;
+    for entry in log.by_ref() {
+        let entry = match entry {
+            Ok(entry) => entry,
+            Err(broken @ LogError::Broken { .. }) if done > 0 => {
+                let words = format!("{:#}", anyhow::Error::new(broken));
+                progress.say(format_args!("warning: {words}; what came before is used"));
+                partial = Some(words);
+                break;
+            }
+            Err(error) => return Err(error.into()),
+        };
+        if let Entry::Bad(bad) = &entry {
+            if told < MOST_TOLD {
+                progress.say(format_args!("warning: {}", located(&name, bad)));
+            }
+            told += 1;
+            first_bad.get_or_insert_with(|| bad.clone());
+        }
+        done += 1;
+        each(entry)?;
+        progress.show(done);
+        if interrupt.asked() {
+            partial = Some(format!("stopped by hand after {done} scans"));
+            break;
+        }
+    }
+    progress.finish();
+    if told > MOST_TOLD {
+        progress.say(format_args!(
+            "warning: {name}: {} more lines could not be used",
+            told - MOST_TOLD
+        ));
+    }
+    let tally = log.tally();
+    for note in &tally.notes {
+        progress.say(format_args!("note: {note}"));
+    }
+    if let (0, Some(bad)) = (tally.scans, first_bad) {
+        bail!(
+            "{name}: none of its {} scans can be used; the first: line {}: {}",
+            tally.bad_scans,
+            bad.line,
+            bad.fault
+        );
+    }
+    Ok(Reading { tally, partial })
+}
+
+fn located(name: &str, bad: &BadScan) -> String {
+    format!(
+        "{name}, line {}: {} (scan {} left out)",
+        bad.line, bad.fault, bad.index
+    )
+}
+
+/// Opens a log.
+pub fn open(path: &Path, options: log::ReadOptions) -> anyhow::Result<Log> {
+    log::open(path, options).context("cannot use the log")
+}

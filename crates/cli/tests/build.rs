@@ -1,0 +1,116 @@
+//! What a user finds after `polymapper build` and `polymapper demo`, on the sample log.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail by panic")]
+
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+fn sample() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../samples/killian.log.gz")
+}
+
+fn polymapper(args: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_polymapper"))
+        .args(args)
+        .output()
+        .unwrap()
+}
+
+fn build(log: &Path, folder: &Path) -> Output {
+    polymapper(&[
+        "build",
+        &log.display().to_string(),
+        "-o",
+        &folder.display().to_string(),
+    ])
+}
+
+fn read(folder: &Path, name: &str) -> String {
+    fs::read_to_string(folder.join(name)).unwrap()
+}
+
+fn json(folder: &Path, name: &str) -> Value {
+    serde_json::from_str(&read(folder, name)).unwrap()
+}
+
+#[test]
+fn the_demo_leaves_every_file_and_says_where_the_picture_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("made/on/the/way");
+    let output = polymapper(&["demo", "-o", &out.display().to_string()]);
+    let talk = String::from_utf8(output.stderr).unwrap();
+    let picture = out.join("map.png").display().to_string();
+    assert!(talk.contains(&picture), "{talk}");
+    assert!(output.stdout.is_empty(), "standard output is for data");
+    assert!(fs::read(&picture).unwrap().starts_with(b"\x89PNG"));
+    assert!(read(&out, "map.svg").contains("<svg"));
+
+    let (report, map) = (json(&out, "report.json"), json(&out, "map.json"));
+    let not_placed = report["scans"]["not_placed"].as_u64().unwrap();
+    assert_eq!(output.status.code(), Some(if not_placed > 0 { 3 } else { 0 }));
+    assert_eq!(report["scans"]["read"], 300);
+    assert_eq!(
+        report["map"]["polylines"],
+        map["polylines"].as_array().unwrap().len()
+    );
+    let placed = report["scans"]["placed"].as_u64().unwrap() as usize;
+    assert_eq!(read(&out, "trajectory.csv").lines().count(), 1 + 300);
+    assert_eq!(read(&out, "trajectory.tum").lines().count(), placed);
+    assert_eq!(fs::read_dir(&out).unwrap().count(), 6, "no drafts are left");
+}
+
+#[test]
+fn the_poses_of_the_log_are_not_read_and_the_bytes_are_the_same_twice() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut text = String::new();
+    flate2::read::MultiGzDecoder::new(fs::File::open(sample()).unwrap())
+        .read_to_string(&mut text)
+        .unwrap();
+    let without_poses: String = text.lines().map(|line| line_without_poses(line) + "\n").collect();
+    assert_ne!(text, without_poses);
+    let log = folder.path().join("killian.log.gz");
+    fs::write(&log, without_poses).unwrap();
+
+    let (with, without) = (folder.path().join("with"), folder.path().join("without"));
+    build(&sample(), &with);
+    build(&log, &without);
+    for name in ["map.json", "map.svg", "trajectory.csv", "trajectory.tum"] {
+        assert!(read(&with, name) == read(&without, name), "{name} differs");
+    }
+    assert!(fs::read(with.join("map.png")).unwrap() == fs::read(without.join("map.png")).unwrap());
+}
+
+/// The line with 9 in its six pose fields, which stand 14 to 9 fields before the end.
+fn line_without_poses(line: &str) -> String {
+    let mut fields: Vec<&str> = line.split(' ').collect();
+    if fields[0] == "ROBOTLASER1" {
+        let end = fields.len();
+        fields[end - 14..end - 8].fill("9");
+    }
+    fields.join(" ")
+}
+
+#[test]
+fn a_log_that_breaks_leaves_the_map_of_what_came_before_marked_partial() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = fs::read(sample()).unwrap();
+    let log = folder.path().join("cut.log.gz");
+    fs::write(&log, &whole[..whole.len() / 3]).unwrap();
+    let out = folder.path().join("out");
+    let output = build(&log, &out);
+    assert_eq!(output.status.code(), Some(3));
+    for name in ["map.json", "report.json"] {
+        let partial = json(&out, name)["partial"].as_str().unwrap().to_owned();
+        assert!(
+            partial.contains("cut.log.gz breaks off after line"),
+            "{name}: {partial}"
+        );
+    }
+    assert!(!json(&out, "map.json")["polylines"].as_array().unwrap().is_empty());
+    let rows = read(&out, "trajectory.csv").lines().count() - 1;
+    assert!((50..200).contains(&rows), "{rows} rows of a third of 300 scans");
+}

@@ -1,0 +1,247 @@
+//! CARMEN logs: text, one message a line, the kind first.
+//!
+//! In go lines, out come the scans of one laser: the front laser unless told. Its kind is picked from the
+//! head of the file by the order of [`KINDS`], since logs may hold the same revolution twice
+//! (`RAWLASER1` and `ROBOTLASER1`) or a front and a rear laser (`FLASER`, `RLASER`). Every other message
+//! is counted. Two layouts of laser lines exist, one module each:
+//!
+//! - [`flaser`]: ranges without geometry, `FLASER`, `RLASER`, `LASER3`..
+//! - [`robotlaser`]: geometry in every line, `ROBOTLASERn`, `RAWLASERn`
+//!
+//! The layouts follow the comments that CARMEN writes at the head of its own logs.
+
+mod fields;
+mod flaser;
+mod robotlaser;
+
+use std::collections::BTreeMap;
+
+use polymapper_core::geometry::Pose;
+use polymapper_core::scan::Scan;
+
+use super::error::excerpt;
+use super::{BadScan, Entry, LineFault, LogError, LogScan, ReadOptions, ScanReader, Tally};
+use crate::input::Input;
+use crate::lines::{Line, Lines, MAX_LINE_BYTES};
+
+/// More beams than any 2D scanner has a turn; keeps a hostile header from costing memory.
+const MAX_BEAMS: usize = 65_536;
+/// Kinds of other messages that are counted by name; a real log has about ten.
+const MAX_OTHER_KINDS: usize = 64;
+
+/// What a laser line holds, whatever its layout.
+struct LaserLine {
+    scan: Scan,
+    stamp_s: Option<f64>,
+    odometry: Option<Pose>,
+}
+
+/// The kinds of laser lines, in the order in which they are preferred.
+const KINDS: &[&str] = &[
+    "FLASER",
+    "ROBOTLASER1",
+    "RAWLASER1",
+    "ROBOTLASER0",
+    "RAWLASER0",
+    "RLASER",
+    "ROBOTLASER2",
+    "RAWLASER2",
+    "LASER3",
+    "RAWLASER3",
+    "LASER4",
+    "RAWLASER4",
+    "LASER5",
+    "RAWLASER5",
+];
+
+/// Messages that CARMEN and the tools around it write beside the lasers.
+const OTHER_KINDS: &[&str] = &["PARAM", "SYNC", "ODOM", "TRUEPOS", "NEFF"];
+
+fn keyword(line: &[u8]) -> &[u8] {
+    let end = line
+        .iter()
+        .position(u8::is_ascii_whitespace)
+        .unwrap_or(line.len());
+    &line[..end]
+}
+
+fn laser_kind(keyword: &[u8]) -> Option<&'static str> {
+    KINDS.iter().copied().find(|k| k.as_bytes() == keyword)
+}
+
+/// Whether some line of the head starts with a kind of message that CARMEN knows.
+pub(super) fn recognise(head: &[u8]) -> bool {
+    !head.contains(&0)
+        && head.split(|&b| b == b'\n').any(|line| {
+            let word = keyword(line.trim_ascii_start());
+            laser_kind(word).is_some() || OTHER_KINDS.iter().any(|k| k.as_bytes() == word)
+        })
+}
+
+pub(super) fn open(input: Input, options: ReadOptions) -> Result<Box<dyn ScanReader>, LogError> {
+    let laser = match options.laser {
+        Some(laser) => Some(laser),
+        None => preferred_laser(&input.head).map(str::to_owned),
+    };
+    Ok(Box::new(CarmenReader {
+        name: input.name.clone(),
+        lines: Lines::new(input.into_stream()),
+        use_odometry: options.use_odometry,
+        laser,
+        flaser: flaser::Layout::default(),
+        ended: false,
+        last_stamp_s: None,
+        tally: Tally::default(),
+    }))
+}
+
+/// The kind to read among those that the head holds.
+fn preferred_laser(head: &[u8]) -> Option<&'static str> {
+    let rank = |kind: &&str| KINDS.iter().position(|k| k == kind);
+    head.split(|&b| b == b'\n')
+        .filter_map(|line| laser_kind(keyword(line.trim_ascii_start())))
+        .min_by_key(rank)
+}
+
+struct CarmenReader {
+    name: String,
+    lines: Lines,
+    use_odometry: bool,
+    /// Kind of line that is read; `None` until the first laser line, when the head holds none.
+    laser: Option<String>,
+    flaser: flaser::Layout,
+    ended: bool,
+    last_stamp_s: Option<f64>,
+    tally: Tally,
+}
+
+impl ScanReader for CarmenReader {
+    fn next_entry(&mut self) -> Option<Result<Entry, LogError>> {
+        if self.ended {
+            return None;
+        }
+        loop {
+            let line = match self.lines.next_line() {
+                Ok(Some(line)) => line,
+                Ok(None) => return self.end().map(Err),
+                Err(source) => {
+                    self.ended = true;
+                    return Some(Err(LogError::Broken {
+                        name: self.name.clone(),
+                        line: self.lines.number(),
+                        source,
+                    }));
+                }
+            };
+            let word = keyword(line.bytes);
+            if word.is_empty() || word[0] == b'#' {
+                continue;
+            }
+            if self.laser.is_none() {
+                self.laser = laser_kind(word).map(str::to_owned);
+            }
+            if self.laser.as_ref().is_some_and(|l| l.as_bytes() == word) {
+                let number = line.number;
+                let parsed = parse(&line, self.use_odometry, &mut self.flaser, &mut self.tally.notes);
+                return Some(Ok(self.entry(number, parsed)));
+            }
+            count_other(&mut self.tally.other_messages, word);
+        }
+    }
+
+    fn tally(&self) -> Tally {
+        Tally {
+            lines: self.lines.number(),
+            bytes: self.lines.read_bytes(),
+            laser: self.laser.clone(),
+            ..self.tally.clone()
+        }
+    }
+}
+
+impl CarmenReader {
+    fn entry(&mut self, line: u64, parsed: Result<LaserLine, LineFault>) -> Entry {
+        let index = self.tally.scans + self.tally.bad_scans;
+        match parsed {
+            Ok(LaserLine {
+                scan,
+                stamp_s,
+                odometry,
+            }) => {
+                self.tally.scans += 1;
+                if let (Some(before), Some(now)) = (self.last_stamp_s, stamp_s) {
+                    self.tally.stamps_backwards += usize::from(now < before);
+                }
+                self.last_stamp_s = stamp_s.or(self.last_stamp_s);
+                Entry::Scan(LogScan {
+                    index,
+                    line,
+                    stamp_s,
+                    scan,
+                    odometry,
+                })
+            }
+            Err(fault) => {
+                self.tally.bad_scans += 1;
+                Entry::Bad(BadScan { index, line, fault })
+            }
+        }
+    }
+
+    /// The end of the log: an error when no laser line came.
+    fn end(&mut self) -> Option<LogError> {
+        self.ended = true;
+        if self.tally.scans + self.tally.bad_scans > 0 {
+            return None;
+        }
+        let held: Vec<String> = self
+            .tally
+            .other_messages
+            .iter()
+            .map(|(kind, n)| format!("{n} {kind}"))
+            .collect();
+        let others = if held.is_empty() {
+            String::new()
+        } else {
+            format!("; it holds {}", held.join(", "))
+        };
+        Some(LogError::NoScan {
+            name: self.name.clone(),
+            lines: self.lines.number(),
+            others,
+        })
+    }
+}
+
+fn parse(
+    line: &Line<'_>,
+    use_odometry: bool,
+    flaser: &mut flaser::Layout,
+    notes: &mut Vec<String>,
+) -> Result<LaserLine, LineFault> {
+    if line.too_long {
+        return Err(LineFault::TooLong {
+            limit: MAX_LINE_BYTES,
+        });
+    }
+    let text = std::str::from_utf8(line.bytes).map_err(|_| LineFault::NotText)?;
+    if text.starts_with("ROBOTLASER") || text.starts_with("RAWLASER") {
+        robotlaser::parse(text, use_odometry)
+    } else {
+        flaser.parse(text, use_odometry, notes)
+    }
+}
+
+fn count_other(counts: &mut BTreeMap<String, u64>, word: &[u8]) {
+    let known = std::str::from_utf8(word).ok().and_then(|w| counts.get_mut(w));
+    if let Some(count) = known {
+        *count += 1;
+        return;
+    }
+    let kind = if counts.len() < MAX_OTHER_KINDS {
+        excerpt(word)
+    } else {
+        "others".to_owned()
+    };
+    *counts.entry(kind).or_default() += 1;
+}

@@ -1,0 +1,336 @@
+//! `map.json`: the map as text that people and programs can read.
+//!
+//! In goes a [`Map`], out comes JSON with one polyline a line, so that two maps can be compared line by line.
+//! Reading checks everything that the rest of the program relies on.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+
+use polymapper_core::geometry::Point;
+use polymapper_core::map::{EraserBox, Map, MapPolyline, MapVertex};
+use serde::{Deserialize, Serialize};
+
+use super::decimals::{rounded_4, rounded_5};
+
+/// Value of the field `format`.
+pub const MAP_FORMAT: &str = "polymapper-map";
+/// Version of the format that is written, and the newest that is read.
+pub const MAP_VERSION: u64 = 1;
+const FRAME: &str = "laser of the first placed scan: x ahead, y left";
+
+/// A map and what is known about how it came to be.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MapFile {
+    /// Walls, objects and eraser boxes.
+    pub map: Map,
+    /// Why the map does not hold the whole log; `None` when it does.
+    pub partial: Option<String>,
+}
+
+/// Why a file is not a map.
+#[derive(Debug, thiserror::Error)]
+pub enum MapFileError {
+    /// The system does not give the file.
+    #[error("{name} cannot be read")]
+    Unreadable {
+        /// Name of the file.
+        name: String,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Not JSON, or a field is missing or of another kind.
+    #[error("{name} is no map")]
+    Json {
+        /// Name of the file.
+        name: String,
+        /// What is wrong, with line and column.
+        source: serde_json::Error,
+    },
+    /// JSON of something else.
+    #[error("{name} is no map: `format` is {found}, \"{MAP_FORMAT}\" is expected")]
+    Format {
+        /// Name of the file.
+        name: String,
+        /// What `format` holds.
+        found: String,
+    },
+    /// A format from the future.
+    #[error("{name} has map format version {found}; this program reads up to {MAP_VERSION}")]
+    Version {
+        /// Name of the file.
+        name: String,
+        /// The version of the file.
+        found: u64,
+    },
+    /// A polyline or a box that cannot be.
+    #[error("{name}, {what}: {fault}")]
+    Content {
+        /// Name of the file.
+        name: String,
+        /// Which one.
+        what: String,
+        /// What is wrong with it.
+        fault: String,
+    },
+}
+
+#[derive(Serialize, Deserialize)]
+struct PolylineRecord {
+    id: u64,
+    vertices: Vec<[f64; 2]>,
+    #[serde(default)]
+    observations: Vec<u32>,
+    /// `null` where it is not known.
+    #[serde(default)]
+    sigma_m: Vec<Option<f64>>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct BoxRecord {
+    min: [f64; 2],
+    max: [f64; 2],
+}
+
+/// The two fields that say whether the rest can be read.
+#[derive(Deserialize)]
+struct Kind {
+    #[serde(default)]
+    format: serde_json::Value,
+    #[serde(default)]
+    version: u64,
+}
+
+#[derive(Deserialize)]
+struct Record {
+    #[serde(default)]
+    partial: Option<String>,
+    polylines: Vec<PolylineRecord>,
+    #[serde(default)]
+    eraser_boxes: Vec<BoxRecord>,
+}
+
+/// Writes the map.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_map(out: &mut impl Write, file: &MapFile) -> io::Result<()> {
+    writeln!(
+        out,
+        "{{\"format\": \"{MAP_FORMAT}\",\n\"version\": {MAP_VERSION},"
+    )?;
+    writeln!(
+        out,
+        "\"generator\": \"polymapper {}\",",
+        env!("CARGO_PKG_VERSION")
+    )?;
+    writeln!(
+        out,
+        "\"frame\": {},\n\"units\": \"m\",",
+        serde_json::to_string(FRAME)?
+    )?;
+    writeln!(out, "\"partial\": {},", serde_json::to_string(&file.partial)?)?;
+    let polylines = file.map.polylines.iter().map(polyline_record);
+    write_array(out, "polylines", polylines)?;
+    writeln!(out, ",")?;
+    let boxes = file.map.eraser_boxes.iter().map(|b| BoxRecord {
+        min: pair(b.min),
+        max: pair(b.max),
+    });
+    write_array(out, "eraser_boxes", boxes)?;
+    writeln!(out, "}}")
+}
+
+/// `"name": [..]` with one item a line.
+fn write_array<T: Serialize>(
+    out: &mut impl Write,
+    name: &str,
+    items: impl Iterator<Item = T>,
+) -> io::Result<()> {
+    write!(out, "\"{name}\": [")?;
+    for (k, item) in items.enumerate() {
+        out.write_all(if k == 0 { b"\n" } else { b",\n" })?;
+        serde_json::to_writer(&mut *out, &item)?;
+    }
+    write!(out, "]")
+}
+
+fn polyline_record(polyline: &MapPolyline) -> PolylineRecord {
+    let vertices = &polyline.vertices;
+    PolylineRecord {
+        id: polyline.id,
+        vertices: vertices.iter().map(|v| pair(v.point)).collect(),
+        observations: vertices.iter().map(|v| v.observations).collect(),
+        sigma_m: vertices
+            .iter()
+            .map(|v| v.sigma_m.is_finite().then(|| rounded_5(v.sigma_m)))
+            .collect(),
+    }
+}
+
+fn pair(p: Point) -> [f64; 2] {
+    [rounded_4(p.x), rounded_4(p.y)]
+}
+
+/// Reads the map at `path`. Fields that are not known are left out; unknown standard deviations are NaN.
+///
+/// # Errors
+/// No file, no JSON, another format or a later version, polylines or boxes that cannot be.
+pub fn read_map(path: &Path) -> Result<MapFile, MapFileError> {
+    let name = path.display().to_string();
+    let text = fs::read_to_string(path).map_err(|source| MapFileError::Unreadable {
+        name: name.clone(),
+        source,
+    })?;
+    map_from_json(&text, &name)
+}
+
+fn map_from_json(text: &str, name: &str) -> Result<MapFile, MapFileError> {
+    let json = |source| MapFileError::Json {
+        name: name.to_owned(),
+        source,
+    };
+    let kind: Kind = serde_json::from_str(text).map_err(json)?;
+    if kind.format != MAP_FORMAT {
+        return Err(MapFileError::Format {
+            name: name.to_owned(),
+            found: kind.format.to_string(),
+        });
+    }
+    if kind.version > MAP_VERSION {
+        return Err(MapFileError::Version {
+            name: name.to_owned(),
+            found: kind.version,
+        });
+    }
+    let record: Record = serde_json::from_str(text).map_err(json)?;
+    let content = |what: String| {
+        move |fault| MapFileError::Content {
+            name: name.to_owned(),
+            what,
+            fault,
+        }
+    };
+    let mut map = Map::default();
+    let mut ids = BTreeSet::new();
+    for record in record.polylines {
+        let what = content(format!("polyline {}", record.id));
+        if !ids.insert(record.id) {
+            return Err(what("the id is used twice".to_owned()));
+        }
+        map.polylines.push(polyline(record).map_err(what)?);
+    }
+    for (k, record) in record.eraser_boxes.iter().enumerate() {
+        map.eraser_boxes
+            .push(eraser_box(record).map_err(content(format!("eraser box {k}")))?);
+    }
+    Ok(MapFile {
+        map,
+        partial: record.partial,
+    })
+}
+
+fn polyline(record: PolylineRecord) -> Result<MapPolyline, String> {
+    let count = record.vertices.len();
+    let fits = |name: &str, len: usize| match len {
+        0 => Ok(()),
+        n if n == count => Ok(()),
+        n => Err(format!("{n} `{name}`, but {count} vertices")),
+    };
+    fits("observations", record.observations.len())?;
+    fits("sigma_m", record.sigma_m.len())?;
+    if count < 2 {
+        return Err(format!("two vertices or more are expected, {count} found"));
+    }
+    let vertex = |(k, &[x, y]): (usize, &[f64; 2])| MapVertex {
+        point: Point::new(x, y),
+        observations: record.observations.get(k).copied().unwrap_or(0),
+        sigma_m: record.sigma_m.get(k).copied().flatten().unwrap_or(f64::NAN),
+    };
+    Ok(MapPolyline {
+        id: record.id,
+        vertices: record.vertices.iter().enumerate().map(vertex).collect(),
+    })
+}
+
+fn eraser_box(record: &BoxRecord) -> Result<EraserBox, String> {
+    let (min, max) = (record.min, record.max);
+    if min[0] > max[0] || min[1] > max[1] {
+        return Err(format!("`min` {min:?} is not below `max` {max:?}"));
+    }
+    Ok(EraserBox {
+        min: Point::new(min[0], min[1]),
+        max: Point::new(max[0], max[1]),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sample() -> MapFile {
+        let vertex = |x, y, observations, sigma_m| MapVertex {
+            point: Point::new(x, y),
+            observations,
+            sigma_m,
+        };
+        let polyline = |id| MapPolyline {
+            id,
+            vertices: vec![vertex(0.0, -1.25, 3, 0.004), vertex(12.3457, 2.0, 17, 0.001)],
+        };
+        MapFile {
+            map: Map {
+                polylines: vec![polyline(4), polyline(9)],
+                eraser_boxes: vec![EraserBox {
+                    min: Point::new(0.0, 0.5),
+                    max: Point::new(1.0, 2.5),
+                }],
+            },
+            partial: Some("stopped \"by hand\"".to_owned()),
+        }
+    }
+
+    fn text(file: &MapFile) -> String {
+        let mut out = Vec::new();
+        write_map(&mut out, file).unwrap();
+        String::from_utf8(out).unwrap()
+    }
+
+    #[test]
+    fn what_is_written_is_read_back() {
+        for file in [sample(), MapFile::default()] {
+            assert_eq!(map_from_json(&text(&file), "map.json").unwrap(), file);
+        }
+    }
+
+    #[test]
+    fn a_polyline_is_a_line_with_numbers_of_four_decimals() {
+        let mut file = sample();
+        file.map.polylines[0].vertices[0].point = Point::new(1.000_049, -0.000_01);
+        let text = text(&file);
+        let line =
+            r#"{"id":4,"vertices":[[1.0,0.0],[12.3457,2.0]],"observations":[3,17],"sigma_m":[0.004,0.001]},"#;
+        assert!(text.lines().any(|l| l == line), "{text}");
+    }
+
+    #[test]
+    fn a_file_that_is_no_map_says_why() {
+        let good = text(&sample());
+        let fault = |from: &str, to: &str| {
+            let error = map_from_json(&good.replacen(from, to, 1), "m.json").unwrap_err();
+            let detail = std::error::Error::source(&error).map(ToString::to_string);
+            format!("{error}; {}", detail.unwrap_or_default())
+        };
+        assert!(
+            fault("polymapper-map", "GeoJSON")
+                .contains("`format` is \"GeoJSON\", \"polymapper-map\" is expected")
+        );
+        assert!(fault("\"version\": 1", "\"version\": 2").contains("version 2; this program reads up to 1"));
+        assert!(fault("\"id\":9", "\"id\":4").contains("polyline 4: the id is used twice"));
+        assert!(fault("[3,17]", "[3]").contains("polyline 4: 1 `observations`, but 2 vertices"));
+        assert!(fault("[1.0,2.5]", "[-1.0,2.5]").contains("eraser box 0"));
+        assert!(fault("12.3457", "\"x\"").contains("at line 8 column"));
+        assert!(fault("polylines", "lines").contains("missing field `polylines`"));
+    }
+}

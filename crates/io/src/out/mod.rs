@@ -1,0 +1,18 @@
+//! What a build leaves behind, as files: map, trajectory, report, polylines of scans.
+//!
+//! Every writer takes any [`std::io::Write`]; [`AtomicFile`] makes sure that a file is there whole or not at
+//! all. Numbers are written with as many decimals as carry meaning: 0.1 mm and 1 µrad.
+//! `docs/map-format.md` describes every file for those who read them.
+
+mod atomic;
+mod decimals;
+mod map_file;
+mod polylines;
+mod report;
+mod trajectory;
+
+pub use atomic::{AtomicFile, OutputError, prepare_folder};
+pub use map_file::{MAP_FORMAT, MAP_VERSION, MapFile, MapFileError, read_map, write_map};
+pub use polylines::write_polylines;
+pub use report::{InputReport, MapReport, Report, ScanReport, StageTime};
+pub use trajectory::{Outcome, TrajectoryRow, write_trajectory_csv, write_trajectory_tum};

@@ -1,0 +1,154 @@
+//! The way of the scanner, one row a scan: `trajectory.csv`, and `trajectory.tum` for tools that read TUM.
+//!
+//! Poses are those of the laser in the map frame, metres and radians.
+
+use std::io::{self, Write};
+
+use polymapper_core::geometry::Pose;
+
+/// What became of a scan.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// It has a place in the map.
+    Placed {
+        /// Pose of the laser in the map.
+        map_from_scan: Pose,
+    },
+    /// It has none.
+    NotPlaced {
+        /// Why, in words.
+        reason: String,
+    },
+}
+
+/// A scan and what became of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrajectoryRow {
+    /// 0-based place of the scan in the log.
+    pub scan: usize,
+    /// Stamp of the log, seconds.
+    pub stamp_s: Option<f64>,
+    /// Placed or not.
+    pub outcome: Outcome,
+}
+
+/// Writes `trajectory.csv`: `scan,stamp_s,x_m,y_m,theta_rad,outcome,reason`, a row for every scan.
+///
+/// Fields that are not known are empty. Later versions may add columns at the end.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_trajectory_csv(out: &mut impl Write, rows: &[TrajectoryRow]) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(out);
+    csv.write_record(["scan", "stamp_s", "x_m", "y_m", "theta_rad", "outcome", "reason"])?;
+    for row in rows {
+        let stamp = row.stamp_s.map_or(String::new(), |s| format!("{s:.6}"));
+        let scan = row.scan.to_string();
+        match &row.outcome {
+            Outcome::Placed { map_from_scan: p } => {
+                let (x, y, theta) = (metres(p.x), metres(p.y), radians(p.theta_rad));
+                csv.write_record([&scan, &stamp, &x, &y, &theta, "placed", ""])?;
+            }
+            Outcome::NotPlaced { reason } => {
+                csv.write_record([&scan, &stamp, "", "", "", "not_placed", reason])?;
+            }
+        }
+    }
+    csv.flush()
+}
+
+/// Writes `trajectory.tum`: `key x y z qx qy qz qw`, a row for every placed scan.
+///
+/// The key is the stamp. Where the stamps of the placed scans do not grow from row to row (missing, all the same,
+/// running backwards), it is the place in the log for all rows: tools for TUM files need keys that grow.
+///
+/// # Errors
+/// Those of `out`.
+pub fn write_trajectory_tum(out: &mut impl Write, rows: &[TrajectoryRow]) -> io::Result<()> {
+    let placed = rows
+        .iter()
+        .filter(|row| matches!(row.outcome, Outcome::Placed { .. }));
+    let stamps_s: Option<Vec<f64>> = placed.map(|row| row.stamp_s).collect();
+    let by_stamp = stamps_s.is_some_and(|stamps_s| stamps_s.is_sorted_by(|a, b| a < b));
+    for row in rows {
+        let Outcome::Placed { map_from_scan: p } = &row.outcome else {
+            continue;
+        };
+        match row.stamp_s {
+            Some(stamp_s) if by_stamp => write!(out, "{stamp_s:.6}")?,
+            _ => write!(out, "{}", row.scan)?,
+        }
+        let (sin, cos) = (0.5 * p.theta_rad).sin_cos();
+        writeln!(out, " {} {} 0 0 0 {sin:.7} {cos:.7}", metres(p.x), metres(p.y))?;
+    }
+    Ok(())
+}
+
+fn metres(value: f64) -> String {
+    format!("{:.4}", super::decimals::rounded_4(value))
+}
+
+fn radians(value: f64) -> String {
+    format!("{:.6}", value + 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rows() -> Vec<TrajectoryRow> {
+        let row = |scan, stamp_s, outcome| TrajectoryRow {
+            scan,
+            stamp_s,
+            outcome,
+        };
+        let placed = |x, y, theta_rad| Outcome::Placed {
+            map_from_scan: Pose::new(x, y, theta_rad),
+        };
+        vec![
+            row(0, Some(976_052_857.345_678), placed(0.0, -0.000_01, 0.0)),
+            row(
+                1,
+                None,
+                Outcome::NotPlaced {
+                    reason: "line 7: 3 ranges, but the header says 4".to_owned(),
+                },
+            ),
+            row(2, Some(1.5), placed(1.0, 2.0, std::f64::consts::FRAC_PI_2)),
+        ]
+    }
+
+    fn text(write: impl Fn(&mut Vec<u8>) -> io::Result<()>) -> String {
+        let mut out = Vec::new();
+        write(&mut out).unwrap();
+        String::from_utf8(out).unwrap()
+    }
+
+    #[test]
+    fn every_scan_has_a_row() {
+        let expected = "scan,stamp_s,x_m,y_m,theta_rad,outcome,reason\n\
+             0,976052857.345678,0.0000,0.0000,0.000000,placed,\n\
+             1,,,,,not_placed,\"line 7: 3 ranges, but the header says 4\"\n\
+             2,1.500000,1.0000,2.0000,1.570796,placed,\n";
+        assert_eq!(text(|out| write_trajectory_csv(out, &rows())), expected);
+    }
+
+    #[test]
+    fn tum_rows_are_keyed_by_stamp_or_all_by_place() {
+        let quarter_turn = "1.0000 2.0000 0 0 0 0.7071068 0.7071068\n";
+        let mut rows = rows();
+        rows[2].stamp_s = Some(976_052_858.0);
+        let by_stamp = text(|out| write_trajectory_tum(out, &rows));
+        let last = format!("\n976052858.000000 {quarter_turn}");
+        assert!(by_stamp.ends_with(&last), "{by_stamp}");
+        let expected = format!("0 0.0000 0.0000 0 0 0 0.0000000 1.0000000\n2 {quarter_turn}");
+        for useless in [None, Some(1.5), rows[0].stamp_s] {
+            rows[2].stamp_s = useless;
+            assert_eq!(
+                text(|out| write_trajectory_tum(out, &rows)),
+                expected,
+                "{useless:?}"
+            );
+        }
+    }
+}
