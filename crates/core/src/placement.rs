@@ -169,10 +169,6 @@ impl Stage<'_> {
             self.try_guess(&guess, false)
         }));
         all.sort_by(|a, b| b.merit.total_cmp(&a.merit));
-        if std::env::var("DBGP").is_ok() {
-            eprintln!("search: found {} last {:?} predicted {:?}", found.len(), self.motion.map_from_scan, predicted);
-            for p in &all { eprintln!("   merit {:.2} fit {:.2} known {:.2} share {:.2} rms {:.3} rel {:?}", p.merit, p.agreement.fit(), p.agreement.known_share(), p.alignment.matched_share(), p.alignment.rms_m, self.motion.map_from_scan.inverse() * p.alignment.map_from_scan); }
-        }
         let winner = all.first().copied()?;
         let pose = winner.alignment.map_from_scan;
         let second = all.iter().find(|p| {

@@ -27,8 +27,10 @@ pub struct RecogniseSettings {
     pub least_fit: f64,
     /// Share of the beams that the old place must say something of.
     pub least_known: f64,
-    /// By how much the second best pose must be worse.
+    /// By how much the score of the second best pose must be worse, or
     pub least_lead: f64,
+    /// how many times as many beams must disagree with it.
+    pub least_outdoing: f64,
 }
 
 impl Default for RecogniseSettings {
@@ -41,6 +43,7 @@ impl Default for RecogniseSettings {
             least_fit: 0.75,
             least_known: 0.5,
             least_lead: 0.10,
+            least_outdoing: 2.5,
         }
     }
 }
@@ -177,11 +180,13 @@ impl Place {
             other.distance(pose) > 0.4 || wrap_rad(other.theta_rad - pose.theta_rad).abs() > 0.17
         });
         let lead = second.map_or(1.0, |s| score - s.0);
-        if std::env::var("DBG").is_ok() { eprintln!("kf {} scan {} vs scans window {window_m:.1} cands {} fit {:.2} known {:.2} lead {lead:.2} score {score:.2} unobs {} off {:?}", newest, keyframes[newest].number, fits.len(), agreement.fit(), agreement.known_share(), alignment.unobservable.is_some(), here.inverse()*pose); }
+        let misfit = |a: &Agreement| 1.0 - a.fit() + 0.02;
+        let outdoes = second.map_or(f64::INFINITY, |s| misfit(&s.1) / misfit(&agreement));
+        let is_alone = lead >= settings.least_lead || outdoes >= settings.least_outdoing;
         let believed = alignment.unobservable.is_none()
             && agreement.fit() >= settings.least_fit
             && agreement.known_share() >= settings.least_known
-            && lead >= settings.least_lead;
+            && is_alone;
         believed.then_some(Matched { map_from_scan: pose, information: alignment.information })
     }
 
