@@ -275,7 +275,7 @@ mod tests {
         };
         let poses = flat(&text_of("poses"));
         assert_eq!(poses.len(), 3 * log.scans.len());
-        let walls: Vec<Vec<f64>> = text_of("walls").split("]],[[").map(|t| flat(t)).collect();
+        let walls: Vec<Vec<f64>> = text_of("walls").split("]],[[").map(flat).collect();
         assert_eq!(walls.len(), log.walls().len());
         let sides: Vec<polymapper_core::geometry::Segment> = walls
             .iter()
