@@ -28,7 +28,7 @@ pub struct Motion {
     pub step_rad: f64,
     /// The scanner stays at the first stop instead of making the tour.
     pub standing: bool,
-    /// No more scans than this. A standing scanner takes exactly as many.
+    /// No more scans than this, 1 to 1 000 000. A standing scanner takes exactly as many.
     pub max_scans: usize,
 }
 
@@ -83,6 +83,13 @@ impl Motion {
                 });
             }
         }
+        if !(1..=MOST_SCANS).contains(&self.max_scans) {
+            return Err(SimError::Setting {
+                name: "max_scans",
+                value: self.max_scans as f64,
+                range: "1 to 1000000",
+            });
+        }
         for (name, value) in [("step_m", self.step_m), ("step_rad", self.step_rad)] {
             if !(0.0..=1000.0).contains(&value) {
                 return Err(SimError::Setting {
@@ -96,6 +103,8 @@ impl Motion {
     }
 }
 
+/// A day at 10 Hz; more would fill the memory.
+const MOST_SCANS: usize = 1_000_000;
 /// A sharper turn at a stop is made on the spot; a lesser one is cut.
 const TURN_BACK_RAD: f64 = 2.0;
 
@@ -257,8 +266,8 @@ mod tests {
 
     #[test]
     fn tours_see_most_stops_and_come_back_to_places() {
-        for kind in PlanKind::ALL {
-            let (plan, _, stands) = tour_of(kind, 1, &Motion::full_rate());
+        for (kind, seed) in PlanKind::ALL.into_iter().flat_map(|kind| [(kind, 1), (kind, 6)]) {
+            let (plan, _, stands) = tour_of(kind, seed, &Motion::full_rate());
             let places: Vec<Point> = stands.iter().map(|s| s.world_from_laser.translation()).collect();
             let called_at = |stop: &&Point| places.iter().any(|p| p.distance(**stop) < 1.6);
             let calls = plan.stops().iter().filter(called_at).count();
