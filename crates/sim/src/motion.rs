@@ -11,7 +11,7 @@ use polymapper_core::geometry::{Point, Pose, wrap_rad};
 use crate::dice::bearing_rad;
 use crate::error::SimError;
 use crate::plan::Plan;
-use crate::terrain::Terrain;
+use crate::terrain::{Terrain, WAY_STEP_M};
 
 /// How fast the scanner moves, and which scans are kept.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub struct Motion {
     pub step_rad: f64,
     /// The scanner stays at the first stop instead of making the tour.
     pub standing: bool,
-    /// No more scans than this. A standing scanner takes exactly as many.
+    /// No more scans than this, 1 to 1 000 000. A standing scanner takes exactly as many.
     pub max_scans: usize,
 }
 
@@ -83,6 +83,13 @@ impl Motion {
                 });
             }
         }
+        if !(1..=MOST_SCANS).contains(&self.max_scans) {
+            return Err(SimError::Setting {
+                name: "max_scans",
+                value: self.max_scans as f64,
+                range: "1 to 1000000",
+            });
+        }
         for (name, value) in [("step_m", self.step_m), ("step_rad", self.step_rad)] {
             if !(0.0..=1000.0).contains(&value) {
                 return Err(SimError::Setting {
@@ -95,6 +102,11 @@ impl Motion {
         Ok(())
     }
 }
+
+/// A day at 10 Hz; more would fill the memory.
+const MOST_SCANS: usize = 1_000_000;
+/// A sharper turn at a stop is made on the spot; a lesser one is cut.
+const TURN_BACK_RAD: f64 = 2.0;
 
 /// When and where a scan is taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,7 +134,7 @@ pub(crate) fn stands(plan: &Plan, terrain: &Terrain, motion: &Motion) -> Result<
     Ok(sampled(&timed, motion, period_s))
 }
 
-/// Smooth ways from stop to stop; stops that cannot be reached are left out.
+/// Smooth ways from turn-back to turn-back; stops that cannot be reached are left out.
 fn tour(plan: &Plan, terrain: &Terrain) -> Vec<Vec<Point>> {
     let stops: Vec<Point> = plan
         .stops()
@@ -130,7 +142,24 @@ fn tour(plan: &Plan, terrain: &Terrain) -> Vec<Vec<Point>> {
         .filter_map(|&s| terrain.reachable_near(s))
         .collect();
     let ways = stops.windows(2).filter_map(|pair| terrain.way(pair[0], pair[1]));
-    ways.filter(|way| way.len() >= 2).collect()
+    let mut joined: Vec<Vec<Point>> = Vec::new();
+    for way in ways.filter(|way| way.len() >= 2) {
+        match joined.last_mut() {
+            Some(last) if turn_between(last, &way) < TURN_BACK_RAD => last.extend(way.into_iter().skip(1)),
+            _ => joined.push(way),
+        }
+    }
+    // Once more, now that the corners at the stops in between may be cut.
+    joined.iter().map(|way| terrain.smooth(way)).collect()
+}
+
+/// Turn from the end of one way to the start of the next, over half a metre each, radians, 0 to π.
+fn turn_between(before: &[Point], after: &[Point]) -> f64 {
+    let steps = (0.5 / WAY_STEP_M) as usize;
+    let stop = before[before.len() - 1];
+    let arriving = stop - before[before.len().saturating_sub(1 + steps)];
+    let leaving = after[steps.min(after.len() - 1)] - stop;
+    wrap_rad(bearing_rad(leaving) - bearing_rad(arriving)).abs()
 }
 
 /// Poses along the ways with their times: as fast as speed and turning rate allow. The heading is the direction
@@ -237,8 +266,8 @@ mod tests {
 
     #[test]
     fn tours_see_most_stops_and_come_back_to_places() {
-        for kind in PlanKind::ALL {
-            let (plan, _, stands) = tour_of(kind, 1, &Motion::full_rate());
+        for (kind, seed) in PlanKind::ALL.into_iter().flat_map(|kind| [(kind, 1), (kind, 6)]) {
+            let (plan, _, stands) = tour_of(kind, seed, &Motion::full_rate());
             let places: Vec<Point> = stands.iter().map(|s| s.world_from_laser.translation()).collect();
             let called_at = |stop: &&Point| places.iter().any(|p| p.distance(**stop) < 1.6);
             let calls = plan.stops().iter().filter(called_at).count();

@@ -242,7 +242,7 @@ mod tests {
         assert_eq!(scanner.logged_m(Some(80.0), &mut dice), None);
         assert_eq!(scanner.logged_m(Some(0.03), &mut dice), None);
         assert_eq!(scanner.logged_m(None, &mut dice), None);
-        assert_eq!(scanner.logged_m(Some(3.1449), &mut dice), Some(3.14));
+        assert_eq!(scanner.logged_m(Some(3.2449), &mut dice), Some(3.24));
     }
 
     #[test]

@@ -9,6 +9,8 @@ use crate::floor::bounds;
 
 /// Small enough to hold few sides, large enough that a ray of 10 m passes few cells.
 const CELL_M: f64 = 0.5;
+/// Cells across; a map with a stray vertex kilometres away gets larger cells instead of more.
+const MOST_CELLS: f64 = 1000.0;
 
 /// Where a ray met a side.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +27,7 @@ pub(crate) struct SideHit {
 pub(crate) struct SideGrid {
     sides: Vec<Segment>,
     min: Point,
+    cell_m: f64,
     columns: usize,
     rows: usize,
     /// Sides of cell k: `items[starts[k]..starts[k + 1]]`.
@@ -41,12 +44,14 @@ impl SideGrid {
         } else {
             bounds(&ends)
         };
-        let min = low - Point::new(0.5, 0.5) * CELL_M;
-        let count = |from: f64, to: f64| ((to - from) / CELL_M) as usize + 2;
+        let cell_m = CELL_M.max((high.x - low.x).max(high.y - low.y) / MOST_CELLS);
+        let min = low - Point::new(0.5, 0.5) * cell_m;
+        let count = |from: f64, to: f64| ((to - from) / cell_m) as usize + 2;
         let (columns, rows) = (count(min.x, high.x), count(min.y, high.y));
         let mut grid = Self {
             sides,
             min,
+            cell_m,
             columns,
             rows,
             starts: Vec::new(),
@@ -59,11 +64,11 @@ impl SideGrid {
     fn fill(&mut self) {
         let mut cells: Vec<Vec<usize>> = vec![Vec::new(); self.columns * self.rows];
         // Half a cell's diagonal, with room for rounding: sides on the border of two cells stand in both.
-        let reach_m = CELL_M * 0.7072;
+        let reach_m = self.cell_m * 0.7072;
         for (k, side) in self.sides.iter().enumerate() {
             let (low, high) = bounds(&[side.a, side.b]);
             for (column, row) in self.cells_of_box(low, high) {
-                let middle = self.min + Point::new(column as f64 + 0.5, row as f64 + 0.5) * CELL_M;
+                let middle = self.min + Point::new(column as f64 + 0.5, row as f64 + 0.5) * self.cell_m;
                 if side.distance(middle) <= reach_m {
                     cells[row * self.columns + column].push(k);
                 }
@@ -78,7 +83,8 @@ impl SideGrid {
 
     /// Cells that a box touches, with a hair's breadth more.
     fn cells_of_box(&self, low: Point, high: Point) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let index = |v: f64, count: usize| ((v / CELL_M).floor().max(0.0) as usize).min(count - 1);
+        let cell_m = self.cell_m;
+        let index = |v: f64, count: usize| ((v / cell_m).floor().max(0.0) as usize).min(count - 1);
         let hair = Point::new(1e-9, 1e-9);
         let (low, high) = (low - self.min - hair, high - self.min + hair);
         let (left, right) = (index(low.x, self.columns), index(high.x, self.columns));
@@ -97,7 +103,7 @@ impl SideGrid {
 
     /// The first side that the ray meets within `reach_m`; `direction` has length 1.
     pub(crate) fn cast(&self, origin: Point, direction: Point, reach_m: f64) -> Option<SideHit> {
-        let at = (origin - self.min) / CELL_M;
+        let at = (origin - self.min) / self.cell_m;
         let inside = at.x >= 0.0 && at.y >= 0.0 && at.x < self.columns as f64 && at.y < self.rows as f64;
         if !inside {
             return first_hit(&self.sides, 0..self.sides.len(), origin, direction)
@@ -108,10 +114,10 @@ impl SideGrid {
             let candidates = self.cell(walk.column, walk.row).iter().copied();
             let hit = first_hit(&self.sides, candidates, origin, direction);
             // A hit beyond the cell may have a nearer one in the next cell.
-            if let Some(hit) = hit.filter(|h| h.range_m <= walk.leaves_at() * CELL_M + 1e-9) {
+            if let Some(hit) = hit.filter(|h| h.range_m <= walk.leaves_at() * self.cell_m + 1e-9) {
                 return Some(hit).filter(|h| h.range_m < reach_m);
             }
-            if walk.leaves_at() * CELL_M > reach_m || !walk.step(self.columns, self.rows) {
+            if walk.leaves_at() * self.cell_m > reach_m || !walk.step(self.columns, self.rows) {
                 return None;
             }
         }

@@ -134,8 +134,12 @@ impl Terrain {
         }
         let cells = self.shortest(start, goal)?;
         let points: Vec<Point> = cells.into_iter().map(|k| self.middle(k)).collect();
-        let pulled = self.pulled_straight(evenly_spaced(&points));
-        Some(evenly_spaced(&pulled))
+        Some(self.smooth(&points))
+    }
+
+    /// The same way with its corners rounded as far as the clearance allows, points 5 cm apart; the ends stay.
+    pub(crate) fn smooth(&self, way: &[Point]) -> Vec<Point> {
+        evenly_spaced(&self.pulled_straight(evenly_spaced(way)))
     }
 
     /// A*: the distance as the crow flies never exceeds the cost left, so the way found is the cheapest.

@@ -30,7 +30,7 @@ pub(super) fn draw(dice: &mut Dice) -> Drawing {
     for k in 0..120 {
         let place = dice.point(Point::new(1.3, 1.3), Point::new(width_m - 1.3, height_m - 1.3));
         let at_wall = (place.x - wall_x).abs() < 1.1 && place.y > 1.0 && place.y < height_m - 1.0;
-        let at_stop = drawing.stops.iter().any(|s| s.distance(place) < 1.0);
+        let at_stop = drawing.stops.iter().any(|s| s.distance(place) < 1.2);
         if at_wall || at_stop || taken.iter().any(|t| t.distance(place) < SPACING_M) {
             continue;
         }

@@ -47,10 +47,10 @@ pub(super) fn draw(dice: &mut Dice) -> Drawing {
     let on_ring = |bearing_rad: f64| direction(bearing_rad) * middle_m;
     let in_hall = off_centre + direction(first_rad) * -2.2;
     drawing.stops.push(on_ring(passages[0]));
-    for k in 0..5 {
-        drawing.stops.push(on_ring(rooms[k]));
-        drawing.stops.push(direction(rooms[k]) * (outer_m + 2.2));
-        drawing.stops.push(on_ring(rooms[k] + 0.5));
+    for &bearing_rad in &rooms {
+        drawing.stops.push(on_ring(bearing_rad));
+        drawing.stops.push(direction(bearing_rad) * (outer_m + 2.2));
+        drawing.stops.push(on_ring(bearing_rad + 0.5));
     }
     drawing
         .stops

@@ -48,10 +48,14 @@ pub(super) fn draw(dice: &mut Dice) -> Drawing {
     for away in [1.0, -1.0] {
         let edge_y = if away > 0.0 { width_m } else { 0.0 };
         let row = row_of_rooms(dice, length_m, edge_y, away);
-        for room in &row {
-            paint_room(&mut drawing, dice, room, edge_y);
-        }
         let inner_doors = paint_inner_doors(&mut drawing, dice, &row);
+        for (k, room) in row.iter().enumerate() {
+            let beside = Beside {
+                left: k > 0 && inner_doors[k - 1],
+                right: inner_doors.get(k).copied().unwrap_or(false),
+            };
+            paint_room(&mut drawing, dice, room, edge_y, beside);
+        }
         rows.push((row, inner_doors));
     }
     furnish_corridor(&mut drawing, dice, length_m, width_m);
@@ -92,7 +96,14 @@ fn row_of_rooms(dice: &mut Dice, length_m: f64, edge_y: f64, away: f64) -> Vec<R
     rooms
 }
 
-fn paint_room(drawing: &mut Drawing, dice: &mut Dice, room: &Room, edge_y: f64) {
+/// Which of its neighbours a room has a door to; nothing stands in the way of these.
+#[derive(Clone, Copy)]
+struct Beside {
+    left: bool,
+    right: bool,
+}
+
+fn paint_room(drawing: &mut Drawing, dice: &mut Dice, room: &Room, edge_y: f64, beside: Beside) {
     let (left, right) = (room.door_x, room.door_x + DOOR_M);
     if !room.opens {
         // A shut door is set back a little from the wall.
@@ -109,10 +120,10 @@ fn paint_room(drawing: &mut Drawing, dice: &mut Dice, room: &Room, edge_y: f64) 
         let opened_rad = room.away * dice.between(1.45, 2.1);
         door_leaf(&mut drawing.floor, hinge, 0.92, 0.0, opened_rad);
     }
-    furnish_room(drawing, dice, room);
+    furnish_room(drawing, dice, room, beside);
 }
 
-fn furnish_room(drawing: &mut Drawing, dice: &mut Dice, room: &Room) {
+fn furnish_room(drawing: &mut Drawing, dice: &mut Dice, room: &Room, beside: Beside) {
     let floor = &mut drawing.floor;
     let homeward_rad = room.homeward_rad();
     let width_m = room.x1 - room.x0;
@@ -135,14 +146,18 @@ fn furnish_room(drawing: &mut Drawing, dice: &mut Dice, room: &Room) {
     if width_m > 3.2 {
         desk(floor, dice, room.at(desk_x, room.depth_m), homeward_rad);
     }
-    if dice.chance(0.7) && width_m > 3.8 {
-        let from_left = room.door_x - room.x0 > room.x1 - room.door_x - DOOR_M;
-        let (wall_x, ahead_rad) = if from_left { (room.x0, 0.0) } else { (room.x1, PI) };
+    let door_at_right = room.door_x - room.x0 > room.x1 - room.door_x - DOOR_M;
+    let (wall_x, ahead_rad, blocked) = if door_at_right {
+        (room.x0, 0.0, beside.left)
+    } else {
+        (room.x1, PI, beside.right)
+    };
+    if dice.chance(0.7) && width_m > 3.8 && !blocked {
         desk(floor, dice, room.at(wall_x, 0.4 * room.depth_m), ahead_rad);
     }
     if dice.chance(0.6) {
         let x = if at_left { room.x0 + 0.3 } else { room.x1 - 0.3 };
-        let depth_m = dice.built_m(2.0, room.depth_m - 1.2);
+        let depth_m = dice.built_m(2.85, 3.1);
         something_small(floor, dice, room.at(x, depth_m));
     }
 }
@@ -158,8 +173,7 @@ fn paint_inner_doors(drawing: &mut Drawing, dice: &mut Dice, row: &[Room]) -> Ve
                     pair[0].at(pair[0].x1, depth_m),
                     pair[1].at(pair[1].x0, depth_m + DOOR_M),
                 );
-                // Reaches into both rooms, so that a thing standing there does not block the door.
-                paint_between(drawing, (a.x - 0.5, a.y), (b.x + 0.5, b.y));
+                paint_between(drawing, (a.x, a.y), (b.x, b.y));
             }
             joined
         })
