@@ -2,16 +2,19 @@
 
 use crate::extract::simplify_chain;
 use crate::geometry::Point;
-use crate::map::{Map, MapPolyline, MapVertex};
 use crate::keyframe::Keyframe;
-use crate::merge::{MergeSettings, sight};
+use crate::map::{Map, MapPolyline, MapVertex};
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::overlap::merge_overlaps;
+use crate::merge::{MergeSettings, sight};
 
 pub(crate) fn finish(map: &GrowingMap, keyframes: &[Keyframe], settings: &MergeSettings) -> Map {
     let mut out = Map::default();
     let mut map = map.clone();
-    let share: f64 = std::env::var("SHARE").ok().and_then(|s| s.parse().ok()).unwrap_or(0.3);
+    let share: f64 = std::env::var("SHARE")
+        .ok()
+        .and_then(|s| s.parse().ok())
+        .unwrap_or(0.3);
     map.forget_looks();
     for (k, keyframe) in (0..).zip(keyframes) {
         sight::look(&mut map, &keyframe.scan, keyframe.map_from_scan, k, settings);
@@ -24,7 +27,10 @@ pub(crate) fn finish(map: &GrowingMap, keyframes: &[Keyframe], settings: &MergeS
         let vertices = simplify_chain(&points, &weights, 16.0)
             .into_iter()
             .map(|point| {
-                let near = polyline.vertices.iter().min_by(|a, b| a.point.distance(point).total_cmp(&b.point.distance(point)));
+                let near = polyline
+                    .vertices
+                    .iter()
+                    .min_by(|a, b| a.point.distance(point).total_cmp(&b.point.distance(point)));
                 MapVertex {
                     point,
                     observations: near.map_or(0, |v| v.hits),
@@ -32,7 +38,10 @@ pub(crate) fn finish(map: &GrowingMap, keyframes: &[Keyframe], settings: &MergeS
                 }
             })
             .collect();
-        out.polylines.push(MapPolyline { id: polyline.id, vertices });
+        out.polylines.push(MapPolyline {
+            id: polyline.id,
+            vertices,
+        });
     }
     out
 }

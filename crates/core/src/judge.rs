@@ -27,14 +27,22 @@ impl Agreement {
     /// Share of the beams that the map says something of, 0..=1.
     #[must_use]
     pub fn known_share(&self) -> f64 {
-        if self.beams == 0 { 0.0 } else { (self.beams - self.unknown) as f64 / self.beams as f64 }
+        if self.beams == 0 {
+            0.0
+        } else {
+            (self.beams - self.unknown) as f64 / self.beams as f64
+        }
     }
 
     /// Of the beams that the map says something of, the share that ends on it, 0..=1. 0 when it says nothing.
     #[must_use]
     pub fn fit(&self) -> f64 {
         let known = self.beams - self.unknown;
-        if known == 0 { 0.0 } else { self.on_map as f64 / known as f64 }
+        if known == 0 {
+            0.0
+        } else {
+            self.on_map as f64 / known as f64
+        }
     }
 
     /// One number to rank poses by: beams that end on the map count for, beams through walls half as much against,
@@ -44,7 +52,11 @@ impl Agreement {
     #[must_use]
     pub fn score(&self) -> f64 {
         let sum = self.on_map as f64 - 0.5 * self.through as f64 - 0.5 * self.short as f64;
-        if self.beams == 0 { 0.0 } else { sum / self.beams as f64 }
+        if self.beams == 0 {
+            0.0
+        } else {
+            sum / self.beams as f64
+        }
     }
 }
 
@@ -52,11 +64,16 @@ impl Agreement {
 /// still lies on a side.
 pub(crate) fn judge(points: &[SidePoint], map: &SideGrid, map_from_scan: Pose, gate_m: f64) -> Agreement {
     let origin = map_from_scan.translation();
-    let mut agreement = Agreement { beams: points.len(), ..Agreement::default() };
+    let mut agreement = Agreement {
+        beams: points.len(),
+        ..Agreement::default()
+    };
     for p in points {
         let place = map_from_scan * p.point;
         let range_m = origin.distance(place);
-        let Some(direction) = (place - origin).unit() else { continue };
+        let Some(direction) = (place - origin).unit() else {
+            continue;
+        };
         let reach_m = range_m + 2.0;
         let mut on_map = false;
         let mut first: Option<Crossing> = None;
@@ -95,7 +112,13 @@ mod tests {
 
     fn looking_ahead(range_m: f64) -> Agreement {
         let up = Point::new(0.0, 1.0);
-        let point = SidePoint { point: Point::new(range_m, 0.0), direction: up, sigma_m: 0.01, worth: 1.0, polyline: 0 };
+        let point = SidePoint {
+            point: Point::new(range_m, 0.0),
+            direction: up,
+            sigma_m: 0.01,
+            worth: 1.0,
+            polyline: 0,
+        };
         judge(&[point], &grid(), Pose::IDENTITY, 0.1)
     }
 
@@ -105,7 +128,13 @@ mod tests {
         assert_eq!(looking_ahead(4.0).through, 1);
         assert_eq!(looking_ahead(2.0).short, 1);
         let away = judge(
-            &[SidePoint { point: Point::new(-2.0, 0.0), direction: Point::new(0.0, -1.0), sigma_m: 0.01, worth: 1.0, polyline: 0 }],
+            &[SidePoint {
+                point: Point::new(-2.0, 0.0),
+                direction: Point::new(0.0, -1.0),
+                sigma_m: 0.01,
+                worth: 1.0,
+                polyline: 0,
+            }],
             &grid(),
             Pose::IDENTITY,
             0.1,

@@ -23,7 +23,11 @@ pub(crate) struct Keyframe {
 pub(crate) fn ways_m(count: usize, edges: &[Edge], from: usize, limit_m: f64) -> Vec<Option<f64>> {
     let mut neighbours: Vec<Vec<(usize, f64)>> = vec![Vec::new(); count];
     for edge in edges {
-        let length_m = if edge.is_loop { 0.5 } else { edge.motion.translation().norm() + 0.05 };
+        let length_m = if edge.is_loop {
+            0.5
+        } else {
+            edge.motion.translation().norm() + 0.05
+        };
         neighbours[edge.from].push((edge.to, length_m));
         neighbours[edge.to].push((edge.from, length_m));
     }

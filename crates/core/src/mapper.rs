@@ -75,7 +75,10 @@ pub struct Step {
 /// A placed scan, held by its keyframe: it moves with it when loops are closed.
 #[derive(Clone, Copy)]
 enum Held {
-    By { keyframe: usize, keyframe_from_scan: Pose },
+    By {
+        keyframe: usize,
+        keyframe_from_scan: Pose,
+    },
     Nowhere(NotPlaced),
 }
 
@@ -132,14 +135,20 @@ impl Mapper {
         let points = side_points(scan, &extraction.polylines, extraction.noise_m);
         let mut step = Step {
             scan: number,
-            outcome: Outcome::NotPlaced { reason: NotPlaced::TooFewReturns },
+            outcome: Outcome::NotPlaced {
+                reason: NotPlaced::TooFewReturns,
+            },
             extraction,
             alignment: None,
             agreement: None,
             merged: None,
             recognised: None,
         };
-        let held = if points.len() >= LEAST_POINTS { self.place(&mut step, scan, points) } else { None };
+        let held = if points.len() >= LEAST_POINTS {
+            self.place(&mut step, scan, points)
+        } else {
+            None
+        };
         let reason = match step.outcome {
             Outcome::NotPlaced { reason } => reason,
             Outcome::Placed { .. } => NotPlaced::NoMatch,
@@ -156,9 +165,20 @@ impl Mapper {
     fn place(&mut self, step: &mut Step, scan: &Scan, points: Vec<SidePoint>) -> Option<Held> {
         let mut pose = Pose::IDENTITY;
         if let Some(motion) = self.motion {
-            let found = place(&points, &self.local.skeleton, &motion, &self.settings.align, &self.settings.place);
-            let Some(Placement { alignment, agreement, .. }) = found else {
-                step.outcome = Outcome::NotPlaced { reason: NotPlaced::NoMatch };
+            let found = place(
+                &points,
+                &self.local.skeleton,
+                &motion,
+                &self.settings.align,
+                &self.settings.place,
+            );
+            let Some(Placement {
+                alignment, agreement, ..
+            }) = found
+            else {
+                step.outcome = Outcome::NotPlaced {
+                    reason: NotPlaced::NoMatch,
+                };
                 return None;
             };
             step.alignment = Some(alignment);
@@ -167,8 +187,16 @@ impl Mapper {
         }
         let last = self.motion.map_or(pose, |m| m.map_from_scan);
         let gap = self.motion.map_or(0, |m| m.lost_scans);
-        let moved = if gap == 0 { last.inverse() * pose } else { Pose::IDENTITY };
-        self.motion = Some(Motion { map_from_scan: pose, step: moved, lost_scans: 0 });
+        let moved = if gap == 0 {
+            last.inverse() * pose
+        } else {
+            Pose::IDENTITY
+        };
+        self.motion = Some(Motion {
+            map_from_scan: pose,
+            step: moved,
+            lost_scans: 0,
+        });
         if self.is_keyframe(pose, step) {
             self.add_keyframe(step, scan, points, pose);
             pose = self.motion.map_or(pose, |m| m.map_from_scan);
@@ -176,11 +204,16 @@ impl Mapper {
         step.outcome = Outcome::Placed { map_from_scan: pose };
         let keyframe = self.keyframes.len() - 1;
         let keyframe_from_scan = self.keyframes[keyframe].map_from_scan.inverse() * pose;
-        Some(Held::By { keyframe, keyframe_from_scan })
+        Some(Held::By {
+            keyframe,
+            keyframe_from_scan,
+        })
     }
 
     fn is_keyframe(&self, pose: Pose, step: &Step) -> bool {
-        let Some(keyframe) = self.keyframes.last() else { return true };
+        let Some(keyframe) = self.keyframes.last() else {
+            return true;
+        };
         let last = keyframe.map_from_scan;
         let new_share = step.agreement.map_or(1.0, |a| 1.0 - a.known_share());
         last.distance(pose) > 0.25
@@ -200,9 +233,17 @@ impl Mapper {
         step.merged = Some(self.merge_locally(&keyframe));
         if let Some(last) = self.keyframes.last() {
             let motion = last.map_from_scan.inverse() * pose;
-            let information = step.alignment.map_or_else(Information::default, |a| edge_information(&a, last.map_from_scan));
+            let information = step
+                .alignment
+                .map_or_else(Information::default, |a| edge_information(&a, last.map_from_scan));
             let from = self.keyframes.len() - 1;
-            self.edges.push(Edge { from, to: from + 1, motion, information, is_loop: false });
+            self.edges.push(Edge {
+                from,
+                to: from + 1,
+                motion,
+                information,
+                is_loop: false,
+            });
             self.local_way_m += motion.translation().norm();
             self.unlooked_m += motion.translation().norm();
         }
@@ -226,7 +267,13 @@ impl Mapper {
         let newest = self.keyframes.len() - 1;
         let ways = ways_m(self.keyframes.len(), &self.edges, newest, f64::INFINITY);
         self.unlooked_m = 0.0;
-        let found = recognise(&self.keyframes, &ways, 2.0 * LOCAL_M, &self.settings.align, &self.settings.recognise);
+        let found = recognise(
+            &self.keyframes,
+            &ways,
+            2.0 * LOCAL_M,
+            &self.settings.align,
+            &self.settings.recognise,
+        );
         let Some(mut edge) = found else { return false };
         edge.information = loosened(&edge.information);
         step.recognised = Some(self.keyframes[edge.from].number);
@@ -255,7 +302,12 @@ impl Mapper {
         for (k, way) in ways.iter().enumerate() {
             if way.is_some() {
                 self.merges += 1;
-                merge(&mut self.local, &self.keyframes[k], self.merges, &self.settings.merge);
+                merge(
+                    &mut self.local,
+                    &self.keyframes[k],
+                    self.merges,
+                    &self.settings.merge,
+                );
             }
         }
     }
@@ -266,9 +318,12 @@ impl Mapper {
         self.scans
             .iter()
             .map(|held| match *held {
-                Held::By { keyframe, keyframe_from_scan } => {
-                    Outcome::Placed { map_from_scan: self.keyframes[keyframe].map_from_scan * keyframe_from_scan }
-                }
+                Held::By {
+                    keyframe,
+                    keyframe_from_scan,
+                } => Outcome::Placed {
+                    map_from_scan: self.keyframes[keyframe].map_from_scan * keyframe_from_scan,
+                },
                 Held::Nowhere(reason) => Outcome::NotPlaced { reason },
             })
             .collect()

@@ -23,7 +23,10 @@ pub(crate) struct Motion {
 impl Motion {
     /// Where the scanner is when it keeps on moving as before.
     fn predicted(&self) -> Guess {
-        Guess { map_from_scan: self.map_from_scan * self.step, ..self.standing() }
+        Guess {
+            map_from_scan: self.map_from_scan * self.step,
+            ..self.standing()
+        }
     }
 
     /// Where it is when it has stopped. Speeds change by some centimetres a scan, the more the faster it is.
@@ -88,7 +91,13 @@ pub(crate) fn place(
     align: &AlignSettings,
     settings: &PlaceSettings,
 ) -> Option<Placement> {
-    let stage = Stage { points, map, motion, align, settings };
+    let stage = Stage {
+        points,
+        map,
+        motion,
+        align,
+        settings,
+    };
     let predicted = stage.try_guess(&motion.predicted(), true);
     if let Some(p) = predicted
         && stage.is_unsurprising(&p)
@@ -96,9 +105,16 @@ pub(crate) fn place(
         return Some(p);
     }
     let standing = stage.try_guess(&motion.standing(), false);
-    let wide = Guess { sigma_m: 0.2, sigma_rad: 0.1, ..motion.predicted() };
+    let wide = Guess {
+        sigma_m: 0.2,
+        sigma_rad: 0.1,
+        ..motion.predicted()
+    };
     let wide = stage.try_guess(&wide, false);
-    let best = [predicted, standing, wide].into_iter().flatten().max_by(|a, b| a.merit.total_cmp(&b.merit));
+    let best = [predicted, standing, wide]
+        .into_iter()
+        .flatten()
+        .max_by(|a, b| a.merit.total_cmp(&b.merit));
     if let Some(p) = best
         && p.agreement.fit() >= settings.good_fit
         && p.agreement.known_share() >= 0.5
@@ -122,10 +138,27 @@ struct Stage<'a> {
 impl Stage<'_> {
     fn try_guess(&self, guess: &Guess, with_prior: bool) -> Option<Placement> {
         let prior: Option<Prior> = with_prior.then(|| guess.prior());
-        let alignment = align_to_grid(self.points, self.map, |_, _| true, guess, prior.as_ref(), self.align)?;
-        let agreement = judge(self.points, self.map, alignment.map_from_scan, self.settings.gate_m);
+        let alignment = align_to_grid(
+            self.points,
+            self.map,
+            |_, _| true,
+            guess,
+            prior.as_ref(),
+            self.align,
+        )?;
+        let agreement = judge(
+            self.points,
+            self.map,
+            alignment.map_from_scan,
+            self.settings.gate_m,
+        );
         let merit = agreement.score() - self.unlikely(alignment.map_from_scan);
-        Some(Placement { alignment, agreement, merit, lead: None })
+        Some(Placement {
+            alignment,
+            agreement,
+            merit,
+            lead: None,
+        })
     }
 
     /// What a pose far from the predicted one loses: a weak prior of going on as before, at most 0.15.
@@ -161,11 +194,19 @@ impl Stage<'_> {
             min_score: 0.25,
         };
         let reach_m = self.points.iter().map(|p| p.point.norm()).fold(0.0, f64::max) + window.half_m + 1.0;
-        let field = Field::new(self.map.sides().map(|s| s.segment), predicted.translation(), reach_m)?;
+        let field = Field::new(
+            self.map.sides().map(|s| s.segment),
+            predicted.translation(),
+            reach_m,
+        )?;
         let found = search(&field, &thinned(self.points), &window);
         let mut all: Vec<Placement> = best.into_iter().collect();
         all.extend(found.iter().filter_map(|c| {
-            let guess = Guess { map_from_scan: c.map_from_scan, sigma_m: 0.07, sigma_rad: 0.02 };
+            let guess = Guess {
+                map_from_scan: c.map_from_scan,
+                sigma_m: 0.07,
+                sigma_rad: 0.02,
+            };
             self.try_guess(&guess, false)
         }));
         all.sort_by(|a, b| b.merit.total_cmp(&a.merit));
@@ -175,7 +216,10 @@ impl Stage<'_> {
             let other = p.alignment.map_from_scan;
             other.distance(pose) > 0.5 || wrap_rad(other.theta_rad - pose.theta_rad).abs() > 0.17
         });
-        Some(Placement { lead: Some(second.map_or(1.0, |s| winner.merit - s.merit)), ..winner })
+        Some(Placement {
+            lead: Some(second.map_or(1.0, |s| winner.merit - s.merit)),
+            ..winner
+        })
     }
 }
 
@@ -186,7 +230,10 @@ const THINNED_M: f64 = 0.15;
 pub(crate) fn thinned(points: &[SidePoint]) -> Vec<(Point, Point)> {
     let mut out: Vec<(Point, Point)> = Vec::new();
     for p in points {
-        if out.last().is_none_or(|(last, _)| last.distance(p.point) >= THINNED_M) {
+        if out
+            .last()
+            .is_none_or(|(last, _)| last.distance(p.point) >= THINNED_M)
+        {
             out.push((p.point, p.direction));
         }
     }

@@ -92,18 +92,32 @@ const SAME_VIEW_M: f64 = 3.0;
 /// The middle of what a keyframe saw, map frame: two scans show the same walls when these are near, wherever the
 /// scanner stood.
 fn seen_around(keyframe: &Keyframe) -> Point {
-    let sum = keyframe.points.iter().fold(Point::default(), |sum, p| sum + p.point);
+    let sum = keyframe
+        .points
+        .iter()
+        .fold(Point::default(), |sum, p| sum + p.point);
     keyframe.map_from_scan * (sum / keyframe.points.len().max(1) as f64)
 }
 
 /// Keyframes within `stretch_m` of path of keyframe `middle`, some half a metre apart.
-fn stretch(keyframes: &[Keyframe], middle: usize, stretch_m: f64, allowed: impl Fn(usize) -> bool) -> Vec<usize> {
+fn stretch(
+    keyframes: &[Keyframe],
+    middle: usize,
+    stretch_m: f64,
+    allowed: impl Fn(usize) -> bool,
+) -> Vec<usize> {
     let mut out = vec![middle];
     for backwards in [true, false] {
         let (mut k, mut path_m, mut since_m) = (middle, 0.0, 0.0);
         loop {
-            let next = if backwards { k.checked_sub(1) } else { Some(k + 1).filter(|&n| n < keyframes.len()) };
-            let Some(next) = next.filter(|&n| allowed(n)) else { break };
+            let next = if backwards {
+                k.checked_sub(1)
+            } else {
+                Some(k + 1).filter(|&n| n < keyframes.len())
+            };
+            let Some(next) = next.filter(|&n| allowed(n)) else {
+                break;
+            };
             let step = keyframes[k].map_from_scan.inverse() * keyframes[next].map_from_scan;
             // A turn shows other walls as a way does: half a metre counts as much as 30°.
             let step_m = step.translation().norm() + step.theta_rad.abs();
@@ -140,7 +154,10 @@ impl Place {
         for k in stretch(keyframes, middle, stretch_m, |_| true) {
             let keyframe = &keyframes[k];
             for polyline in &keyframe.polylines {
-                sides.insert(owner, keyframe.map_from_scan.transform(polyline.polyline.vertices()));
+                sides.insert(
+                    owner,
+                    keyframe.map_from_scan.transform(polyline.polyline.vertices()),
+                );
                 owner += 1;
             }
         }
@@ -159,19 +176,33 @@ impl Place {
     ) -> Option<Matched> {
         let here = keyframes[newest].map_from_scan;
         let views: Vec<View> = recent.iter().map(|&k| View::new(&keyframes[k], here)).collect();
-        let points: Vec<SidePoint> = views.iter().flat_map(|v| v.points_in(v.newest_from_scan)).collect();
+        let points: Vec<SidePoint> = views
+            .iter()
+            .flat_map(|v| v.points_in(v.newest_from_scan))
+            .collect();
         let reach_m = points.iter().map(|p| p.point.norm()).fold(0.0, f64::max) + window_m;
         let field = Field::new(self.sides.sides().map(|s| s.segment), here.translation(), reach_m)?;
-        let window = Window { centre: here, half_m: window_m, half_rad: 0.5, wanted: 4, min_score: 0.3 };
-        let mut fits: Vec<(f64, Agreement, crate::align::Alignment)> = search(&field, &sparse(&points), &window)
-            .iter()
-            .filter_map(|candidate| {
-                let guess = Guess { map_from_scan: candidate.map_from_scan, sigma_m: 0.07, sigma_rad: 0.02 };
-                let alignment = align_to_grid(&points, &self.sides, |_, _| true, &guess, None, align)?;
-                let agreement = self.agreement(&views, alignment.map_from_scan);
-                Some((agreement.score(), agreement, alignment))
-            })
-            .collect();
+        let window = Window {
+            centre: here,
+            half_m: window_m,
+            half_rad: 0.5,
+            wanted: 4,
+            min_score: 0.3,
+        };
+        let mut fits: Vec<(f64, Agreement, crate::align::Alignment)> =
+            search(&field, &sparse(&points), &window)
+                .iter()
+                .filter_map(|candidate| {
+                    let guess = Guess {
+                        map_from_scan: candidate.map_from_scan,
+                        sigma_m: 0.07,
+                        sigma_rad: 0.02,
+                    };
+                    let alignment = align_to_grid(&points, &self.sides, |_, _| true, &guess, None, align)?;
+                    let agreement = self.agreement(&views, alignment.map_from_scan);
+                    Some((agreement.score(), agreement, alignment))
+                })
+                .collect();
         fits.sort_by(|a, b| b.0.total_cmp(&a.0));
         let (score, agreement, alignment) = *fits.first()?;
         let pose = alignment.map_from_scan;
@@ -187,12 +218,20 @@ impl Place {
             && agreement.fit() >= settings.least_fit
             && agreement.known_share() >= settings.least_known
             && is_alone;
-        believed.then_some(Matched { map_from_scan: pose, information: alignment.information })
+        believed.then_some(Matched {
+            map_from_scan: pose,
+            information: alignment.information,
+        })
     }
 
     fn agreement(&self, views: &[View], map_from_newest: Pose) -> Agreement {
         views.iter().fold(Agreement::default(), |sum, view| {
-            let a = judge(view.points, &self.sides, map_from_newest * view.newest_from_scan, 0.12);
+            let a = judge(
+                view.points,
+                &self.sides,
+                map_from_newest * view.newest_from_scan,
+                0.12,
+            );
             Agreement {
                 beams: sum.beams + a.beams,
                 on_map: sum.on_map + a.on_map,
@@ -212,7 +251,10 @@ struct View<'a> {
 
 impl<'a> View<'a> {
     fn new(keyframe: &'a Keyframe, map_from_newest: Pose) -> Self {
-        Self { points: &keyframe.points, newest_from_scan: map_from_newest.inverse() * keyframe.map_from_scan }
+        Self {
+            points: &keyframe.points,
+            newest_from_scan: map_from_newest.inverse() * keyframe.map_from_scan,
+        }
     }
 
     fn points_in(&self, newest_from_scan: Pose) -> impl Iterator<Item = SidePoint> + '_ {

@@ -21,17 +21,28 @@ pub(crate) fn side_points(scan: &Scan, polylines: &[ScanPolyline], noise_m: f64)
     let beams = scan.geometry().beams();
     let mut out = Vec::with_capacity(beams);
     for (number, polyline) in (0_u32..).zip(polylines) {
-        let sides: Vec<(Segment, Point)> =
-            polyline.polyline.sides().filter_map(|s| Some((s, s.direction()?))).collect();
+        let sides: Vec<(Segment, Point)> = polyline
+            .polyline
+            .sides()
+            .filter_map(|s| Some((s, s.direction()?)))
+            .collect();
         let mut returns_of_side = vec![0_u32; sides.len()];
         let first = out.len();
         let mut side_of = Vec::new();
         let count = (polyline.last_beam + beams - polyline.first_beam) % beams + 1;
         for beam in (0..count).map(|k| (polyline.first_beam + k) % beams) {
             let Some(point) = scan.point(beam) else { continue };
-            let Some((side, direction)) = nearest_side(&sides, point) else { continue };
+            let Some((side, direction)) = nearest_side(&sides, point) else {
+                continue;
+            };
             let sigma_m = noise_m.hypot(MAP_SIGMA_M).hypot(SIGMA_PER_RANGE * point.norm());
-            out.push(SidePoint { point, direction, sigma_m, worth: 1.0, polyline: number });
+            out.push(SidePoint {
+                point,
+                direction,
+                sigma_m,
+                worth: 1.0,
+                polyline: number,
+            });
             side_of.push(side);
             returns_of_side[side] += 1;
         }

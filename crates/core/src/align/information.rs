@@ -71,7 +71,9 @@ impl Information {
         let mut rows = self.rows;
         for c in 0..3 {
             let column = [self.rows[0][c], self.rows[1][c], self.rows[2][c]];
-            let Some(solved) = sum.solve(column) else { return *self };
+            let Some(solved) = sum.solve(column) else {
+                return *self;
+            };
             let times = self.times(solved);
             for r in 0..3 {
                 rows[r][c] -= times[r];
@@ -132,7 +134,11 @@ impl Information {
     /// The covariance; `None` when something is not determined.
     #[must_use]
     pub fn covariance(&self) -> Option<[[f64; 3]; 3]> {
-        let columns = [self.solve([1.0, 0.0, 0.0])?, self.solve([0.0, 1.0, 0.0])?, self.solve([0.0, 0.0, 1.0])?];
+        let columns = [
+            self.solve([1.0, 0.0, 0.0])?,
+            self.solve([0.0, 1.0, 0.0])?,
+            self.solve([0.0, 0.0, 1.0])?,
+        ];
         let mut out = [[0.0; 3]; 3];
         for (r, row) in out.iter_mut().enumerate() {
             for (c, cell) in row.iter_mut().enumerate() {
@@ -155,7 +161,10 @@ impl Information {
         let spread = (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
         // Axis of the larger eigenvalue is at half the angle of (xx − yy, 2 xy); the weak one is across.
         let strong_rad = 0.5 * (2.0 * xy).atan2(xx - yy);
-        (Point::from_polar(1.0, strong_rad).left(), (half - spread).max(0.0))
+        (
+            Point::from_polar(1.0, strong_rad).left(),
+            (half - spread).max(0.0),
+        )
     }
 }
 
@@ -197,7 +206,10 @@ mod tests {
     #[test]
     fn a_turned_corridor_is_weak_along_the_turned_axis() {
         let (direction, _) = corner_and_corridor().turned(0.5).weakest_direction();
-        assert!(direction.cross(Point::from_polar(1.0, 0.5)).abs() < 0.05, "{direction:?}");
+        assert!(
+            direction.cross(Point::from_polar(1.0, 0.5)).abs() < 0.05,
+            "{direction:?}"
+        );
     }
 
     #[test]

@@ -45,7 +45,13 @@ pub struct AlignSettings {
 
 impl Default for AlignSettings {
     fn default() -> Self {
-        Self { widest_gate_m: 0.5, last_gate_m: 0.10, max_rounds: 20, robust_sigmas: 2.385, observable_sigma_m: 0.04 }
+        Self {
+            widest_gate_m: 0.5,
+            last_gate_m: 0.10,
+            max_rounds: 20,
+            robust_sigmas: 2.385,
+            observable_sigma_m: 0.04,
+        }
     }
 }
 
@@ -96,7 +102,11 @@ impl Alignment {
     /// Share of the returns that found a side, 0..=1.
     #[must_use]
     pub fn matched_share(&self) -> f64 {
-        if self.asked == 0 { 0.0 } else { self.matched as f64 / self.asked as f64 }
+        if self.asked == 0 {
+            0.0
+        } else {
+            self.matched as f64 / self.asked as f64
+        }
     }
 }
 
@@ -176,8 +186,15 @@ impl Round {
             let min_cos = if gate_m > 0.25 { 0.7 } else { 0.85 };
             let arm = turn(p.point);
             let place = arm + pose.translation();
-            let near = Near { direction: turn(p.direction), min_cos, max_distance_m: gate_m, beyond_ends: false };
-            let Some(foot) = target.nearest(place, &near, |owner| allowed(p.polyline, owner)) else { continue };
+            let near = Near {
+                direction: turn(p.direction),
+                min_cos,
+                max_distance_m: gate_m,
+                beyond_ends: false,
+            };
+            let Some(foot) = target.nearest(place, &near, |owner| allowed(p.polyline, owner)) else {
+                continue;
+            };
             let normal = target.side(foot.side).normal();
             let error_m = normal.dot(place - foot.point);
             // The scale follows the gate, so that poor guesses are not weighted away in the first rounds.
@@ -197,7 +214,9 @@ impl Round {
 
     /// The Gauss–Newton step of the walls and the prior together.
     fn step(&self, pose: Pose, prior: Option<&Prior>) -> Option<[f64; 3]> {
-        let Some(prior) = prior else { return self.information.solve(self.gradient.map(|g| -g)) };
+        let Some(prior) = prior else {
+            return self.information.solve(self.gradient.map(|g| -g));
+        };
         let off = [
             pose.x - prior.map_from_scan.x,
             pose.y - prior.map_from_scan.y,
@@ -240,7 +259,11 @@ mod tests {
     }
 
     fn around(map_from_scan: Pose) -> Guess {
-        Guess { map_from_scan, sigma_m: 0.2, sigma_rad: 0.1 }
+        Guess {
+            map_from_scan,
+            sigma_m: 0.2,
+            sigma_rad: 0.1,
+        }
     }
 
     fn corridor() -> Vec<Polyline> {
@@ -273,9 +296,21 @@ mod tests {
     fn a_shift_and_a_turn_in_a_room_are_found_exactly() {
         let truth = Pose::new(0.3, -0.2, 0.15);
         let points = seen_from(&room(), truth);
-        let found = align(&points, &room(), None, &around(Pose::IDENTITY), None, &AlignSettings::default()).unwrap();
+        let found = align(
+            &points,
+            &room(),
+            None,
+            &around(Pose::IDENTITY),
+            None,
+            &AlignSettings::default(),
+        )
+        .unwrap();
         assert!(found.converged && found.unobservable.is_none());
-        assert!(found.map_from_scan.distance(truth) < 1e-6, "{:?}", found.map_from_scan);
+        assert!(
+            found.map_from_scan.distance(truth) < 1e-6,
+            "{:?}",
+            found.map_from_scan
+        );
         assert!((found.map_from_scan.theta_rad - 0.15).abs() < 1e-6);
         assert!(found.matched_share() > 0.99 && found.rms_m < 1e-6);
     }
@@ -284,13 +319,30 @@ mod tests {
     fn a_corridor_is_named_and_the_motion_model_fills_it() {
         let truth = Pose::new(0.0, 0.1, 0.05);
         let points = seen_from(&corridor(), truth);
-        let prior =
-            Prior { map_from_scan: Pose::new(0.4, 0.0, 0.0), information: Information::from_sigmas(0.1, 0.1, 0.1) };
-        let found = align(&points, &corridor(), None, &around(Pose::IDENTITY), Some(&prior), &AlignSettings::default()).unwrap();
+        let prior = Prior {
+            map_from_scan: Pose::new(0.4, 0.0, 0.0),
+            information: Information::from_sigmas(0.1, 0.1, 0.1),
+        };
+        let found = align(
+            &points,
+            &corridor(),
+            None,
+            &around(Pose::IDENTITY),
+            Some(&prior),
+            &AlignSettings::default(),
+        )
+        .unwrap();
         let along = found.unobservable.unwrap();
         assert!(along.x.abs() > 0.999, "{along:?}");
-        assert!((found.map_from_scan.x - 0.4).abs() < 1e-3, "along: from the prior, {:?}", found.map_from_scan);
-        assert!((found.map_from_scan.y - 0.1).abs() < 1e-3, "across: from the walls");
+        assert!(
+            (found.map_from_scan.x - 0.4).abs() < 1e-3,
+            "along: from the prior, {:?}",
+            found.map_from_scan
+        );
+        assert!(
+            (found.map_from_scan.y - 0.1).abs() < 1e-3,
+            "across: from the walls"
+        );
         assert!((found.map_from_scan.theta_rad - 0.05).abs() < 1e-4);
     }
 
@@ -300,11 +352,23 @@ mod tests {
         // A second object that moved by 0.2 m must not disturb when its polyline is not matched.
         let moved: Vec<SidePoint> = points
             .iter()
-            .map(|p| SidePoint { point: p.point + Point::new(0.2, 0.0), polyline: 1, ..*p })
+            .map(|p| SidePoint {
+                point: p.point + Point::new(0.2, 0.0),
+                polyline: 1,
+                ..*p
+            })
             .collect();
         points.extend(moved);
         let pairs = [(0, 0)];
-        let found = align(&points, &room(), Some(&pairs), &around(Pose::IDENTITY), None, &AlignSettings::default()).unwrap();
+        let found = align(
+            &points,
+            &room(),
+            Some(&pairs),
+            &around(Pose::IDENTITY),
+            None,
+            &AlignSettings::default(),
+        )
+        .unwrap();
         assert!(found.map_from_scan.distance(Pose::IDENTITY) < 1e-9);
     }
 }

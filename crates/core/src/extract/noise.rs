@@ -64,7 +64,9 @@ impl RunningNoise {
     /// Takes the next scan into account.
     pub fn observe(&mut self, scan: &Scan) {
         const QUANTILE: f64 = 0.25;
-        let Some(now_m) = estimate_noise_m(scan) else { return };
+        let Some(now_m) = estimate_noise_m(scan) else {
+            return;
+        };
         self.scans += 1;
         let gain = (1.0 / f64::from(self.scans)).max(0.02);
         self.sigma_m = Some(match self.sigma_m {

@@ -100,9 +100,18 @@ impl SideGrid {
         for (index, vertex) in (0_u32..).zip(vertices) {
             let segment = previous.map(|from| Segment::new(from, vertex));
             previous = Some(vertex);
-            let Some((segment, direction)) = segment.and_then(|s| Some((s, s.direction()?))) else { continue };
+            let Some((segment, direction)) = segment.and_then(|s| Some((s, s.direction()?))) else {
+                continue;
+            };
             let ends = u8::from(ids.is_empty());
-            let side = Side { segment, direction, length_m: segment.length_m(), owner, index: index - 1, ends };
+            let side = Side {
+                segment,
+                direction,
+                length_m: segment.length_m(),
+                owner,
+                index: index - 1,
+                ends,
+            };
             ids.push(self.add(side));
         }
         if let Some(&last) = ids.last() {
@@ -113,7 +122,9 @@ impl SideGrid {
 
     /// Takes all sides of a polyline out.
     pub fn remove(&mut self, owner: u32) {
-        let Some(ids) = self.of_owner.get_mut(owner as usize) else { return };
+        let Some(ids) = self.of_owner.get_mut(owner as usize) else {
+            return;
+        };
         let ids = std::mem::take(ids);
         for &id in &ids {
             let segment = self.sides[id as usize].segment;
@@ -144,7 +155,9 @@ impl SideGrid {
         let (y0, y1) = (cell_of(p.y - reach_m), cell_of(p.y + reach_m));
         for cx in x0..=x1 {
             for cy in y0..=y1 {
-                let Some(list) = self.cells.get(&key(cx, cy)) else { continue };
+                let Some(list) = self.cells.get(&key(cx, cy)) else {
+                    continue;
+                };
                 for &id in list {
                     let side = &self.sides[id as usize];
                     if side.direction.dot(near.direction) < near.min_cos {
@@ -166,7 +179,12 @@ impl SideGrid {
                     });
                     if closer {
                         reach_m = distance_m;
-                        best = Some(Foot { side: id, point: foot, share: clamped_m / side.length_m, distance_m });
+                        best = Some(Foot {
+                            side: id,
+                            point: foot,
+                            share: clamped_m / side.length_m,
+                            distance_m,
+                        });
                     }
                 }
             }
@@ -178,18 +196,31 @@ impl SideGrid {
     /// possibly twice for a side; stops at the cell in which `visit` returns false.
     ///
     /// `direction` has length 1.
-    pub fn along_ray(&self, origin: Point, direction: Point, max_range_m: f64, mut visit: impl FnMut(Crossing) -> bool) {
+    pub fn along_ray(
+        &self,
+        origin: Point,
+        direction: Point,
+        max_range_m: f64,
+        mut visit: impl FnMut(Crossing) -> bool,
+    ) {
         let mut walk = CellWalk::new(origin, direction, max_range_m);
         while let Some((cell, leave_m)) = walk.next_cell() {
-            let Some(list) = self.cells.get(&cell) else { continue };
+            let Some(list) = self.cells.get(&cell) else {
+                continue;
+            };
             let mut go_on = true;
             for &id in list {
-                let Some((range_m, share)) = self.sides[id as usize].segment.meet_ray(origin, direction) else {
+                let Some((range_m, share)) = self.sides[id as usize].segment.meet_ray(origin, direction)
+                else {
                     continue;
                 };
                 // A side is met in the cell that holds the meeting point, so that the first cell with a hit has the first hit.
                 if range_m <= leave_m + 1e-9 && range_m <= max_range_m {
-                    go_on &= visit(Crossing { side: id, range_m, share });
+                    go_on &= visit(Crossing {
+                        side: id,
+                        range_m,
+                        share,
+                    });
                 }
             }
             if !go_on {
@@ -236,7 +267,9 @@ fn key(cx: i32, cy: i32) -> u64 {
 
 fn for_each_cell(segment: Segment, mut visit: impl FnMut(u64)) {
     let length_m = segment.length_m();
-    let Some(direction) = segment.direction() else { return };
+    let Some(direction) = segment.direction() else {
+        return;
+    };
     let mut walk = CellWalk::new(segment.a, direction, length_m);
     while let Some((cell, _)) = walk.next_cell() {
         visit(cell);
@@ -267,7 +300,14 @@ impl CellWalk {
         };
         let (cx, sx, nx, dx) = axis(origin.x, direction.x);
         let (cy, sy, ny, dy) = axis(origin.y, direction.y);
-        Self { cell: (cx, cy), step: (sx, sy), next_m: (nx, ny), delta_m: (dx, dy), at_m: 0.0, max_m }
+        Self {
+            cell: (cx, cy),
+            step: (sx, sy),
+            next_m: (nx, ny),
+            delta_m: (dx, dy),
+            at_m: 0.0,
+            max_m,
+        }
     }
 
     /// The next cell and the range at which the ray leaves it.
@@ -331,8 +371,14 @@ mod tests {
         for k in 0..360 {
             let direction = Point::from_polar(1.0, f64::from(k) * 0.01745);
             let origin = Point::new(0.13, -0.21);
-            let naive = all.iter().filter_map(|s| s.meet_ray(origin, direction)).map(|h| h.0).fold(20.0, f64::min);
-            let found = grid.first_along_ray(origin, direction, 20.0).map_or(20.0, |c| c.range_m);
+            let naive = all
+                .iter()
+                .filter_map(|s| s.meet_ray(origin, direction))
+                .map(|h| h.0)
+                .fold(20.0, f64::min);
+            let found = grid
+                .first_along_ray(origin, direction, 20.0)
+                .map_or(20.0, |c| c.range_m);
             assert!((naive - found).abs() < 1e-9, "ray {k}: {naive} against {found}");
         }
     }
@@ -342,7 +388,12 @@ mod tests {
         let (grid, all) = world();
         for k in 0..500 {
             let p = Point::from_polar(0.02 * f64::from(k), f64::from(k));
-            let near = Near { direction: Point::new(1.0, 0.0), min_cos: -1.0, max_distance_m: 0.8, beyond_ends: true };
+            let near = Near {
+                direction: Point::new(1.0, 0.0),
+                min_cos: -1.0,
+                max_distance_m: 0.8,
+                beyond_ends: true,
+            };
             let naive = all.iter().map(|s| s.distance(p)).fold(f64::INFINITY, f64::min);
             match grid.nearest(p, &near, |_| true) {
                 Some(foot) => assert!((foot.distance_m - naive).abs() < 1e-9),
@@ -357,6 +408,9 @@ mod tests {
         for k in 0..40 {
             grid.remove(k);
         }
-        assert!(grid.first_along_ray(Point::default(), Point::new(1.0, 0.0), 50.0).is_none());
+        assert!(
+            grid.first_along_ray(Point::default(), Point::new(1.0, 0.0), 50.0)
+                .is_none()
+        );
     }
 }

@@ -29,13 +29,21 @@ impl Edge {
     /// Residual: metres, metres, radians.
     pub fn residual(&self, poses: &[Pose]) -> [f64; 3] {
         let seen = poses[self.from].inverse() * poses[self.to];
-        [seen.x - self.motion.x, seen.y - self.motion.y, wrap_rad(seen.theta_rad - self.motion.theta_rad)]
+        [
+            seen.x - self.motion.x,
+            seen.y - self.motion.y,
+            wrap_rad(seen.theta_rad - self.motion.theta_rad),
+        ]
     }
 
     /// Cost, and the weight that Cauchy's ρ leaves the edge.
     fn cost(&self, poses: &[Pose]) -> (f64, f64) {
         let square = self.information.quadratic(self.residual(poses));
-        if self.is_loop { (square.ln_1p(), 1.0 / (1.0 + square)) } else { (square, 1.0) }
+        if self.is_loop {
+            (square.ln_1p(), 1.0 / (1.0 + square))
+        } else {
+            (square, 1.0)
+        }
     }
 
     /// Derivatives of the residual by (x, y, θ) of either end.
@@ -58,7 +66,9 @@ pub(crate) fn optimise(poses: &mut [Pose], edges: &[Edge]) -> (f64, f64) {
     let mut cost = before;
     let mut damping = 1e-6;
     for _ in 0..MOST_STEPS {
-        let Some(steps) = linearise(poses, edges, damping).solve() else { break };
+        let Some(steps) = linearise(poses, edges, damping).solve() else {
+            break;
+        };
         let mut moved = poses.to_vec();
         // The first keyframe is the map's frame and stays, to the bit.
         for (pose, s) in moved.iter_mut().zip(&steps).skip(1) {
@@ -89,7 +99,14 @@ fn linearise(poses: &[Pose], edges: &[Edge], damping: f64) -> System {
         let residual = edge.residual(poses);
         let (_, weight) = edge.cost(poses);
         let (from, to) = edge.jacobians(poses);
-        system.add(edge.from, edge.to, (&from, &to), &edge.information, weight, residual);
+        system.add(
+            edge.from,
+            edge.to,
+            (&from, &to),
+            &edge.information,
+            weight,
+            residual,
+        );
     }
     system.damp(damping);
     system.hold(0);
@@ -122,19 +139,38 @@ mod tests {
         }
         for &(from, to, motion) in loop_edges {
             let information = Information::from_sigmas(0.01, 0.01, 0.005);
-            edges.push(Edge { from, to, motion, information, is_loop: true });
+            edges.push(Edge {
+                from,
+                to,
+                motion,
+                information,
+                is_loop: true,
+            });
         }
         (truth, drifted, edges)
     }
 
     #[test]
     fn coming_home_takes_the_drift_out() {
-        let (truth, mut poses, edges) = square(&[(0, 16, Pose::IDENTITY), (1, 15, Pose::new(-1.0, 1.0, -std::f64::consts::FRAC_PI_2))]);
-        let worst = |poses: &[Pose]| poses.iter().zip(&truth).map(|(p, t)| p.distance(*t)).fold(0.0, f64::max);
+        let (truth, mut poses, edges) = square(&[
+            (0, 16, Pose::IDENTITY),
+            (1, 15, Pose::new(-1.0, 1.0, -std::f64::consts::FRAC_PI_2)),
+        ]);
+        let worst = |poses: &[Pose]| {
+            poses
+                .iter()
+                .zip(&truth)
+                .map(|(p, t)| p.distance(*t))
+                .fold(0.0, f64::max)
+        };
         let before = worst(&poses);
         let (cost_before, cost_after) = optimise(&mut poses, &edges[..17]);
         assert!(cost_after < cost_before);
-        assert!(before > 0.4 && worst(&poses) < 0.1, "{before} → {}", worst(&poses));
+        assert!(
+            before > 0.4 && worst(&poses) < 0.1,
+            "{before} → {}",
+            worst(&poses)
+        );
         assert_eq!(poses[0], Pose::IDENTITY);
     }
 
@@ -143,7 +179,11 @@ mod tests {
         let right = (0, 16, Pose::IDENTITY);
         let (truth, mut poses, edges) = square(&[right, (4, 12, Pose::IDENTITY)]);
         optimise(&mut poses, &edges);
-        let worst = poses.iter().zip(&truth).map(|(p, t)| p.distance(*t)).fold(0.0, f64::max);
+        let worst = poses
+            .iter()
+            .zip(&truth)
+            .map(|(p, t)| p.distance(*t))
+            .fold(0.0, f64::max);
         assert!(worst < 0.2, "{worst}");
     }
 
@@ -172,7 +212,10 @@ mod tests {
                 let (up, down) = (nudged(1e-6), nudged(-1e-6));
                 for row in 0..3 {
                     let slope = (up[row] - down[row]) / 2e-6;
-                    assert!((slope - jacobian[row][axis]).abs() < 1e-6, "end {end} row {row} axis {axis}");
+                    assert!(
+                        (slope - jacobian[row][axis]).abs() < 1e-6,
+                        "end {end} row {row} axis {axis}"
+                    );
                 }
             }
         }

@@ -23,7 +23,10 @@ pub(super) struct System {
 impl System {
     pub fn new(nodes: usize) -> Self {
         let rows = (0..nodes).map(|k| BTreeMap::from([(k, ZERO)])).collect();
-        Self { rows, gradient: vec![[0.0; 3]; nodes] }
+        Self {
+            rows,
+            gradient: vec![[0.0; 3]; nodes],
+        }
     }
 
     /// Adds an edge: Jacobians by its two ends, information times weight, residual.
@@ -45,7 +48,10 @@ impl System {
         add_to(self.block(j, j), &transposed_product(b, &wb));
         let pull = times(&omega, residual);
         for (node, jacobian) in [(i, a), (j, b)] {
-            for (g, p) in self.gradient[node].iter_mut().zip(transposed_times(jacobian, pull)) {
+            for (g, p) in self.gradient[node]
+                .iter_mut()
+                .zip(transposed_times(jacobian, pull))
+            {
                 *g += p;
             }
         }
@@ -78,7 +84,8 @@ impl System {
     /// The steps of all nodes; `None` when the system is singular.
     pub fn solve(mut self) -> Option<Vec<Column>> {
         let n = self.rows.len();
-        let mut queue: BTreeSet<(usize, usize)> = self.rows.iter().enumerate().map(|(k, r)| (r.len(), k)).collect();
+        let mut queue: BTreeSet<(usize, usize)> =
+            self.rows.iter().enumerate().map(|(k, r)| (r.len(), k)).collect();
         let mut order = Vec::with_capacity(n);
         let mut right: Vec<Column> = self.gradient.iter().map(|g| g.map(|v| -v)).collect();
         let mut inverses = vec![ZERO; n];
@@ -129,7 +136,11 @@ fn product(a: &Block, b: &Block) -> Block {
 }
 
 fn transposed(a: &Block) -> Block {
-    [[a[0][0], a[1][0], a[2][0]], [a[0][1], a[1][1], a[2][1]], [a[0][2], a[1][2], a[2][2]]]
+    [
+        [a[0][0], a[1][0], a[2][0]],
+        [a[0][1], a[1][1], a[2][1]],
+        [a[0][2], a[1][2], a[2][2]],
+    ]
 }
 
 fn transposed_product(a: &Block, b: &Block) -> Block {

@@ -26,7 +26,11 @@ pub(crate) struct Evidence {
 impl Evidence {
     /// Seen by `hits` scans.
     pub fn of(hits: u32) -> Self {
-        Self { hits, seen_through: 0, last_seen_through: u32::MAX }
+        Self {
+            hits,
+            seen_through: 0,
+            last_seen_through: u32::MAX,
+        }
     }
 }
 
@@ -45,14 +49,22 @@ pub(crate) struct Vertex {
 
 impl Vertex {
     pub fn new(point: Point) -> Self {
-        Self { point, hits: 1, onward: Evidence::of(1), squares_m2: 0.0 }
+        Self {
+            point,
+            hits: 1,
+            onward: Evidence::of(1),
+            squares_m2: 0.0,
+        }
     }
 
     /// The weighted average of this vertex and a place seen by `seen_hits` scans (paper section 4: larger weight on
     /// the map). Each has the weight of its observations, which makes the vertex the mean of all; `most_hits` bounds
     /// the map's weight, so that it can follow slow change.
     pub fn averaged(mut self, seen: Point, seen_hits: u32, most_hits: u32) -> Self {
-        let (n, m) = (f64::from(self.hits.min(most_hits)), f64::from(seen_hits.min(most_hits)));
+        let (n, m) = (
+            f64::from(self.hits.min(most_hits)),
+            f64::from(seen_hits.min(most_hits)),
+        );
         let shift = seen - self.point;
         self.point += shift * (m / (n + m));
         self.squares_m2 += shift.dot(shift) * n * m / (n + m);
@@ -93,7 +105,9 @@ impl GrowingMap {
 
     /// Every polyline with its slot, slots ascending.
     pub fn polylines(&self) -> impl Iterator<Item = (u32, &GrowingPolyline)> {
-        (0_u32..).zip(&self.slots).filter_map(|(slot, p)| Some((slot, p.as_deref()?)))
+        (0_u32..)
+            .zip(&self.slots)
+            .filter_map(|(slot, p)| Some((slot, p.as_deref()?)))
     }
 
     pub fn is_empty(&self) -> bool {
@@ -115,7 +129,9 @@ impl GrowingMap {
 
     /// Gives the polyline of a slot new vertices; fewer than two take it out.
     pub fn replace(&mut self, slot: u32, vertices: Vec<Vertex>) {
-        let Some(id) = self.polyline(slot).map(|p| p.id) else { return };
+        let Some(id) = self.polyline(slot).map(|p| p.id) else {
+            return;
+        };
         if vertices.len() < 2 {
             self.remove(slot);
         } else {
@@ -138,7 +154,9 @@ impl GrowingMap {
 
     /// Counts a look through side `side` of a polyline, once a scan.
     pub fn look_through(&mut self, slot: u32, side: u32, scan: u32) {
-        let Some(polyline) = self.slots.get_mut(slot as usize).and_then(Option::as_mut) else { return };
+        let Some(polyline) = self.slots.get_mut(slot as usize).and_then(Option::as_mut) else {
+            return;
+        };
         let start = side as usize;
         if polyline.vertices[start].onward.last_seen_through != scan {
             let evidence = &mut Arc::make_mut(polyline).vertices[start].onward;
@@ -163,10 +181,13 @@ impl GrowingMap {
         stale.dedup();
         stale.retain(|&slot| self.polyline(slot).is_some());
         for &slot in &stale {
-            let Some(polyline) = self.slots[slot as usize].as_deref() else { continue };
+            let Some(polyline) = self.slots[slot as usize].as_deref() else {
+                continue;
+            };
             let points: Vec<Point> = polyline.vertices.iter().map(|v| v.point).collect();
             let weights = vec![1.0 / (sigma_m * sigma_m); points.len()];
-            self.skeleton.insert(slot, simplify_chain(&points, &weights, SIDE_PENALTY));
+            self.skeleton
+                .insert(slot, simplify_chain(&points, &weights, SIDE_PENALTY));
         }
         stale
     }

@@ -48,13 +48,27 @@ pub(crate) fn runs(map: &GrowingMap, points: &[ScanPoint], gate_m: f64) -> Vec<R
     without_flickers(runs, gate_m)
 }
 
-pub(super) fn closest(map: &GrowingMap, p: &ScanPoint, gate_m: f64, allowed: impl Fn(u32) -> bool) -> Option<Link> {
+pub(super) fn closest(
+    map: &GrowingMap,
+    p: &ScanPoint,
+    gate_m: f64,
+    allowed: impl Fn(u32) -> bool,
+) -> Option<Link> {
     // 60°: the sides between map vertices a few centimetres apart carry ±20° of noise, and the two walls of a
     // corner differ by 90°.
-    let near = Near { direction: p.direction, min_cos: 0.5, max_distance_m: gate_m, beyond_ends: false };
+    let near = Near {
+        direction: p.direction,
+        min_cos: 0.5,
+        max_distance_m: gate_m,
+        beyond_ends: false,
+    };
     let foot = map.dense.nearest(p.vertex.point, &near, allowed)?;
     let side = map.dense.side(foot.side);
-    Some(Link { slot: side.owner, at: f64::from(side.index) + foot.share, point: foot.point })
+    Some(Link {
+        slot: side.owner,
+        at: f64::from(side.index) + foot.share,
+        point: foot.point,
+    })
 }
 
 /// How far a link may slip back along the map's polyline and still continue the run, in vertices.
@@ -79,7 +93,11 @@ fn push(runs: &mut Vec<Run>, number: usize, point: ScanPoint, link: Option<Link>
             _ => {}
         }
     }
-    runs.push(Run { slot: link.map(|l| l.slot), first: number, points: vec![(point, link)] });
+    runs.push(Run {
+        slot: link.map(|l| l.slot),
+        first: number,
+        points: vec![(point, link)],
+    });
 }
 
 /// Joins two runs on the same polyline that one or two unlinked points hold apart: outliers, not a new object.
@@ -89,7 +107,10 @@ fn without_flickers(runs: Vec<Run>, gate_m: f64) -> Vec<Run> {
         let continues = |older: &Run| {
             older.slot.is_some()
                 && older.slot == run.slot
-                && older.reach().zip(run.reach()).is_some_and(|(o, n)| n.0 >= o.1 - SLIP_VERTICES)
+                && older
+                    .reach()
+                    .zip(run.reach())
+                    .is_some_and(|(o, n)| n.0 >= o.1 - SLIP_VERTICES)
         };
         let length_m = |r: &Run| {
             let ends = r.points.first().zip(r.points.last());

@@ -73,7 +73,12 @@ pub(crate) fn merge(
     number: u32,
     settings: &MergeSettings,
 ) -> MergeReport {
-    let Keyframe { scan, polylines, map_from_scan, .. } = keyframe;
+    let Keyframe {
+        scan,
+        polylines,
+        map_from_scan,
+        ..
+    } = keyframe;
     let mut report = MergeReport::default();
     for polyline in polylines {
         let points = simulate::scan_points(polyline, scan.geometry(), *map_from_scan, settings.spacing_m);
@@ -85,12 +90,21 @@ pub(crate) fn merge(
 }
 
 /// Threads the points of one polyline through the map.
-fn thread(map: &mut GrowingMap, mut points: &[ScanPoint], settings: &MergeSettings, report: &mut MergeReport) {
+fn thread(
+    map: &mut GrowingMap,
+    mut points: &[ScanPoint],
+    settings: &MergeSettings,
+    report: &mut MergeReport,
+) {
     while !points.is_empty() {
         let runs = link::runs(map, points, settings.gate_m);
         let done = splice::splice(map, &runs, settings).max(1);
         for run in &runs[..done.min(runs.len())] {
-            let count = if run.slot.is_some() { &mut report.known_points } else { &mut report.new_points };
+            let count = if run.slot.is_some() {
+                &mut report.known_points
+            } else {
+                &mut report.new_points
+            };
             *count += run.points.len();
         }
         points = &points[runs.get(done).map_or(points.len(), |r| r.first)..];

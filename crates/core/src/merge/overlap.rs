@@ -14,10 +14,14 @@ pub(crate) fn merge_overlaps(map: &mut GrowingMap, settings: &MergeSettings) {
     let mut order: Vec<(u64, u32)> = map.polylines().map(|(slot, p)| (support(p), slot)).collect();
     order.sort_unstable();
     for (_, slot) in order {
-        let Some(polyline) = map.polyline(slot) else { continue };
+        let Some(polyline) = map.polyline(slot) else {
+            continue;
+        };
         let points = points_of(polyline);
         let others = |owner: u32| owner != slot;
-        let overlaps = points.iter().any(|p| super::link::closest(map, p, settings.gate_m, others).is_some());
+        let overlaps = points
+            .iter()
+            .any(|p| super::link::closest(map, p, settings.gate_m, others).is_some());
         if overlaps {
             map.remove(slot);
             thread(map, &points, settings, &mut MergeReport::default());
@@ -32,7 +36,11 @@ fn points_of(polyline: &GrowingPolyline) -> Vec<ScanPoint> {
         .map(|k| {
             let across = v[(k + 1).min(v.len() - 1)].point - v[k.saturating_sub(1)].point;
             let direction = across.unit().unwrap_or(Point::new(1.0, 0.0));
-            ScanPoint { vertex: v[k], direction, is_vertex: true }
+            ScanPoint {
+                vertex: v[k],
+                direction,
+                is_vertex: true,
+            }
         })
         .collect()
 }

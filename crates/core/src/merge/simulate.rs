@@ -29,10 +29,16 @@ pub(crate) fn scan_points(
 ) -> Vec<ScanPoint> {
     let mut out = Vec::new();
     for side in polyline.polyline.sides() {
-        let Some(direction) = side.direction() else { continue };
+        let Some(direction) = side.direction() else {
+            continue;
+        };
         let direction = map_from_scan.rotate(direction);
         let mut push = |p: Point, is_vertex| {
-            out.push(ScanPoint { vertex: Vertex::new(map_from_scan * p), direction, is_vertex });
+            out.push(ScanPoint {
+                vertex: Vertex::new(map_from_scan * p),
+                direction,
+                is_vertex,
+            });
         };
         push(side.a, true);
         let length_m = side.length_m();
@@ -48,7 +54,11 @@ pub(crate) fn scan_points(
     if let Some(last) = out.last().copied() {
         let end = map_from_scan * polyline.polyline.last();
         if end.distance(last.vertex.point) > 1e-6 {
-            out.push(ScanPoint { vertex: Vertex::new(end), is_vertex: true, ..last });
+            out.push(ScanPoint {
+                vertex: Vertex::new(end),
+                is_vertex: true,
+                ..last
+            });
         }
     }
     out
@@ -62,7 +72,8 @@ fn ray_shares(side: Segment, geometry: &ScanGeometry) -> impl Iterator<Item = f6
     let geometry = *geometry;
     (first.ceil() as i64..=last.floor() as i64).filter_map(move |beam| {
         let bearing_rad = geometry.bearing_rad(0) + geometry.step_rad() * beam as f64;
-        side.meet_ray(Point::default(), Point::from_polar(1.0, bearing_rad)).map(|(_, share)| share)
+        side.meet_ray(Point::default(), Point::from_polar(1.0, bearing_rad))
+            .map(|(_, share)| share)
     })
 }
 
@@ -75,13 +86,21 @@ mod tests {
     fn a_wall_gets_the_points_of_the_rays_and_its_ends() {
         let geometry = ScanGeometry::new(-1.0, 0.1, 21).unwrap();
         let wall = Polyline::new(vec![Point::new(2.0, -1.05), Point::new(2.0, 1.05)]).unwrap();
-        let wall = ScanPolyline { polyline: wall, first_beam: 0, last_beam: 20 };
+        let wall = ScanPolyline {
+            polyline: wall,
+            first_beam: 0,
+            last_beam: 20,
+        };
         let points = scan_points(&wall, &geometry, Pose::new(1.0, 0.0, 0.0), 0.01);
         let rays = (-4..=4).map(|k| 2.0 * (0.1 * f64::from(k)).tan());
         let expected: Vec<f64> = [-1.05].into_iter().chain(rays).chain([1.05]).collect();
         assert_eq!(points.len(), expected.len());
         for (p, y) in points.iter().zip(expected) {
-            assert!((p.vertex.point.x - 3.0).abs() < 1e-9 && (p.vertex.point.y - y).abs() < 1e-9, "{:?} {y}", p.vertex.point);
+            assert!(
+                (p.vertex.point.x - 3.0).abs() < 1e-9 && (p.vertex.point.y - y).abs() < 1e-9,
+                "{:?} {y}",
+                p.vertex.point
+            );
         }
     }
 }

@@ -32,8 +32,13 @@ struct Chain<'a> {
 /// scan's polyline comes back to a stretch of the map before one it has already taken (it closes a loop): the caller
 /// goes on with the rest.
 pub(crate) fn splice(map: &mut GrowingMap, runs: &[Run], settings: &MergeSettings) -> usize {
-    let mut chain =
-        Chain { map: &*map, settings, vertices: Vec::new(), taken: Vec::new(), branches: Vec::new() };
+    let mut chain = Chain {
+        map: &*map,
+        settings,
+        vertices: Vec::new(),
+        taken: Vec::new(),
+        branches: Vec::new(),
+    };
     let mut done = 0;
     for run in runs {
         if !chain.push(run, done == 0) {
@@ -43,7 +48,12 @@ pub(crate) fn splice(map: &mut GrowingMap, runs: &[Run], settings: &MergeSetting
     }
     let ends_on_map = done > 0 && runs[done - 1].slot.is_some();
     chain.finish(ends_on_map);
-    let Chain { vertices, taken, branches, .. } = chain;
+    let Chain {
+        vertices,
+        taken,
+        branches,
+        ..
+    } = chain;
     let vertices = without_sharp_vertices(vertices, settings.sharp_angle_rad);
     match taken.first() {
         Some(first) => map.replace(first.slot, vertices),
@@ -66,7 +76,9 @@ impl Chain<'_> {
             self.extend_apart(run.points.iter().map(|(p, _)| p.vertex));
             return true;
         };
-        let Some(old) = self.map.polyline(slot) else { return true };
+        let Some(old) = self.map.polyline(slot) else {
+            return true;
+        };
         let old = &old.vertices;
         let before_run = from.ceil() as usize;
         match self.taken.iter().position(|t| t.slot == slot) {
@@ -107,7 +119,9 @@ impl Chain<'_> {
     fn finish(&mut self, ends_on_map: bool) {
         for k in 0..self.taken.len() {
             let Taken { slot, upto } = self.taken[k];
-            let Some(old) = self.map.polyline(slot) else { continue };
+            let Some(old) = self.map.polyline(slot) else {
+                continue;
+            };
             let tail = old.vertices.get(upto.floor() as usize + 1..).unwrap_or(&[]);
             if ends_on_map && k + 1 == self.taken.len() {
                 self.vertices.extend_from_slice(tail);
@@ -131,7 +145,9 @@ impl Chain<'_> {
 /// Every vertex v of the stretch is averaged with the point of the scan closest to it (the vertex rule, the paper's
 /// Fig. 4). A scan point becomes a new vertex, averaged with its closest point of the map, where no vertex is near.
 fn merged(old: &[Vertex], run: &Run, settings: &MergeSettings) -> Vec<Vertex> {
-    let Some((from, to)) = run.reach() else { return Vec::new() };
+    let Some((from, to)) = run.reach() else {
+        return Vec::new();
+    };
     let mut out: Vec<(f64, Vertex)> = Vec::new();
     let mut search = 0;
     for k in from.ceil() as usize..=(to.floor() as usize).min(old.len() - 1) {
@@ -139,7 +155,7 @@ fn merged(old: &[Vertex], run: &Run, settings: &MergeSettings) -> Vec<Vertex> {
         let moved = match closest {
             Some((p, hits)) if p.distance(old[k].point) <= settings.gate_m => {
                 old[k].averaged(p, hits, settings.most_hits)
-            },
+            }
             _ => old[k],
         };
         out.push((k as f64, moved));
@@ -148,11 +164,18 @@ fn merged(old: &[Vertex], run: &Run, settings: &MergeSettings) -> Vec<Vertex> {
     for (p, link) in &run.points {
         let Some(link) = link else { continue };
         let (a, b) = around(old, link);
-        let spacing_m = if p.is_vertex { 0.5 * settings.spacing_m } else { settings.spacing_m };
+        let spacing_m = if p.is_vertex {
+            0.5 * settings.spacing_m
+        } else {
+            settings.spacing_m
+        };
         let far = |q: Point| q.distance(link.point) >= spacing_m;
         if far(a.point) && far(b.point) && last.is_none_or(far) {
             last = Some(link.point);
-            out.push((link.at, between(a, b, link.point).averaged(p.vertex.point, p.vertex.hits, settings.most_hits)));
+            out.push((
+                link.at,
+                between(a, b, link.point).averaged(p.vertex.point, p.vertex.hits, settings.most_hits),
+            ));
         }
     }
     out.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -174,7 +197,11 @@ fn around<'a>(old: &'a [Vertex], link: &Link) -> (&'a Vertex, &'a Vertex) {
 /// A vertex on the side between two others, resting on as much as the weaker of them.
 fn between(a: &Vertex, b: &Vertex, point: Point) -> Vertex {
     let weaker = if a.hits <= b.hits { a } else { b };
-    Vertex { point, onward: a.onward, ..*weaker }
+    Vertex {
+        point,
+        onward: a.onward,
+        ..*weaker
+    }
 }
 
 /// The point of the scan closest to map vertex `v` (number `at`), among the sides between the scan points that are

@@ -80,7 +80,19 @@ pub(crate) fn search(field: &Field, points: &[(Point, Point)], window: &Window) 
     for heading in 0..headings.len() {
         for y in (-half..=half).step_by(1 << top) {
             for x in (-half..=half).step_by(1 << top) {
-                push(&mut queue, field, &headings, Block { bound: 0, level: top, heading, x, y }, least);
+                push(
+                    &mut queue,
+                    field,
+                    &headings,
+                    Block {
+                        bound: 0,
+                        level: top,
+                        heading,
+                        x,
+                        y,
+                    },
+                    least,
+                );
             }
         }
     }
@@ -105,14 +117,23 @@ pub(crate) fn search(field: &Field, points: &[(Point, Point)], window: &Window) 
                     && c.map_from_scan.distance(pose) < SAME_M
             };
             if !found.iter().any(near) {
-                found.push(Candidate { map_from_scan: pose, score: f64::from(block.bound) / f64::from(most) });
+                found.push(Candidate {
+                    map_from_scan: pose,
+                    score: f64::from(block.bound) / f64::from(most),
+                });
             }
             continue;
         }
         let level = block.level - 1;
         let step = 1 << level;
         for (dx, dy) in [(0, 0), (step, 0), (0, step), (step, step)] {
-            let child = Block { bound: 0, level, heading: block.heading, x: block.x + dx, y: block.y + dy };
+            let child = Block {
+                bound: 0,
+                level,
+                heading: block.heading,
+                x: block.x + dx,
+                y: block.y + dy,
+            };
             if child.x <= half && child.y <= half {
                 push(&mut queue, field, &headings, child, least);
             }
@@ -166,7 +187,15 @@ mod tests {
     use crate::geometry::Segment;
 
     fn room() -> Vec<Segment> {
-        let corners = [(-2.0, -2.0), (4.0, -2.0), (4.0, 3.0), (1.0, 3.0), (1.0, 2.0), (-2.0, 2.0), (-2.0, -2.0)];
+        let corners = [
+            (-2.0, -2.0),
+            (4.0, -2.0),
+            (4.0, 3.0),
+            (1.0, 3.0),
+            (1.0, 2.0),
+            (-2.0, 2.0),
+            (-2.0, -2.0),
+        ];
         corners
             .windows(2)
             .map(|w| Segment::new(Point::new(w[0].0, w[0].1), Point::new(w[1].0, w[1].1)))
@@ -179,7 +208,12 @@ mod tests {
         for side in room() {
             let n = (side.length_m() / 0.25) as i32;
             let direction = scan_from_map.rotate(side.direction().unwrap());
-            out.extend((0..n).map(|k| (scan_from_map * side.at((f64::from(k) + 0.5) / f64::from(n)), direction)));
+            out.extend((0..n).map(|k| {
+                (
+                    scan_from_map * side.at((f64::from(k) + 0.5) / f64::from(n)),
+                    direction,
+                )
+            }));
         }
         out
     }
@@ -188,8 +222,13 @@ mod tests {
     fn a_turned_scan_is_found_without_a_guess() {
         let truth = Pose::new(1.2, -0.7, 2.1);
         let field = Field::new(room().into_iter(), Point::default(), 50.0).unwrap();
-        let window =
-            Window { centre: Pose::IDENTITY, half_m: 2.0, half_rad: 3.2, wanted: 4, min_score: 0.3 };
+        let window = Window {
+            centre: Pose::IDENTITY,
+            half_m: 2.0,
+            half_rad: 3.2,
+            wanted: 4,
+            min_score: 0.3,
+        };
         let found = search(&field, &seen_from(truth), &window);
         let best = found[0];
         assert!(best.map_from_scan.distance(truth) < 0.2, "{best:?}");
@@ -201,17 +240,31 @@ mod tests {
     fn the_bound_dismisses_nothing_better() {
         let field = Field::new(room().into_iter(), Point::default(), 50.0).unwrap();
         let points = seen_from(Pose::new(0.3, 0.4, 0.5));
-        let window = Window { centre: Pose::IDENTITY, half_m: 1.0, half_rad: 0.7, wanted: 1, min_score: 0.0 };
+        let window = Window {
+            centre: Pose::IDENTITY,
+            half_m: 1.0,
+            half_rad: 0.7,
+            wanted: 1,
+            min_score: 0.0,
+        };
         let best = search(&field, &points, &window)[0];
         let mut naive = 0.0_f64;
         for heading in headings(&field, &points, &window) {
             for x in -10..=10 {
                 for y in -10..=10 {
-                    let sum: u32 = heading.points.iter().map(|&(px, py, s)| field.value(0, s, px + x, py + y)).sum();
+                    let sum: u32 = heading
+                        .points
+                        .iter()
+                        .map(|&(px, py, s)| field.value(0, s, px + x, py + y))
+                        .sum();
                     naive = naive.max(f64::from(sum) / (255.0 * points.len() as f64));
                 }
             }
         }
-        assert!((best.score - naive).abs() < 1e-12, "{} against {naive}", best.score);
+        assert!(
+            (best.score - naive).abs() < 1e-12,
+            "{} against {naive}",
+            best.score
+        );
     }
 }

@@ -47,7 +47,12 @@ impl Field {
         let (width, height) = (cells(max.x - min.x), cells(max.y - min.y));
         let margin_m = f64::from(MARGIN_CELLS) * CELL_M;
         let origin = min - Point::new(margin_m, margin_m);
-        let mut field = Self { origin, width, height, levels: vec![vec![0; width as usize * height as usize * SECTORS]] };
+        let mut field = Self {
+            origin,
+            width,
+            height,
+            levels: vec![vec![0; width as usize * height as usize * SECTORS]],
+        };
         let kernel = kernel();
         for side in sides {
             field.draw(side, &kernel);
