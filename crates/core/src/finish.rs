@@ -11,15 +11,11 @@ use crate::merge::{MergeSettings, sight};
 pub(crate) fn finish(map: &GrowingMap, keyframes: &[Keyframe], settings: &MergeSettings) -> Map {
     let mut out = Map::default();
     let mut map = map.clone();
-    let share: f64 = std::env::var("SHARE")
-        .ok()
-        .and_then(|s| s.parse().ok())
-        .unwrap_or(0.3);
     map.forget_looks();
     for (k, keyframe) in (0..).zip(keyframes) {
         sight::look(&mut map, &keyframe.scan, keyframe.map_from_scan, k, settings);
     }
-    sight::clear_all(&mut map, share);
+    sight::clear_all(&mut map, settings);
     merge_overlaps(&mut map, settings);
     for (_, polyline) in map.polylines() {
         let points: Vec<Point> = polyline.vertices.iter().map(|v| v.point).collect();

@@ -240,21 +240,6 @@ impl SideGrid {
         });
         first
     }
-
-    /// Owners with a side whose cell touches the box; ascending, each once.
-    pub fn owners_in_box(&self, min: Point, max: Point) -> Vec<u32> {
-        let mut owners = Vec::new();
-        for cx in cell_of(min.x)..=cell_of(max.x) {
-            for cy in cell_of(min.y)..=cell_of(max.y) {
-                if let Some(list) = self.cells.get(&key(cx, cy)) {
-                    owners.extend(list.iter().map(|&id| self.sides[id as usize].owner));
-                }
-            }
-        }
-        owners.sort_unstable();
-        owners.dedup();
-        owners
-    }
 }
 
 fn cell_of(coordinate_m: f64) -> i32 {

@@ -36,6 +36,8 @@ pub struct MergeSettings {
     pub sight_min_sine: f64,
     /// Looks through a vertex before it may be taken out.
     pub sight_min_looks: u32,
+    /// Share of looks through, among all scans that saw or looked through a side, from which the side is not there.
+    pub sight_share: f64,
     /// How far the skeleton may stray from the vertices before it gets another side, metres (one standard deviation).
     pub skeleton_sigma_m: f64,
 }
@@ -50,6 +52,7 @@ impl Default for MergeSettings {
             sight_margin_m: 0.3,
             sight_min_sine: 0.2,
             sight_min_looks: 3,
+            sight_share: 0.3,
             skeleton_sigma_m: 0.01,
         }
     }
