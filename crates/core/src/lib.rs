@@ -15,6 +15,7 @@ pub mod map;
 pub mod mapper;
 pub mod matching;
 pub mod merge;
+pub mod moving;
 pub mod placement;
 pub mod recognise;
 pub mod scan;

@@ -9,6 +9,7 @@ use crate::keyframe::{Keyframe, ways_m};
 use crate::map::Map;
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::{MergeReport, MergeSettings, merge};
+use crate::moving::{MovingSettings, find_moving};
 use crate::placement::{Motion, PlaceSettings, Placement, place};
 use crate::recognise::{RecogniseSettings, recognise};
 use crate::scan::Scan;
@@ -23,6 +24,8 @@ pub struct Settings {
     pub align: AlignSettings,
     /// Finding the pose.
     pub place: PlaceSettings,
+    /// Finding moving objects.
+    pub moving: MovingSettings,
     /// Merging.
     pub merge: MergeSettings,
     /// Closing loops.
@@ -68,6 +71,8 @@ pub struct Step {
     pub agreement: Option<Agreement>,
     /// What was merged, when it was.
     pub merged: Option<MergeReport>,
+    /// Numbers of its polylines that belong to moving objects.
+    pub moving: Vec<usize>,
     /// The scan of the old keyframe at which the place was recognised.
     pub recognised: Option<usize>,
 }
@@ -142,6 +147,7 @@ impl Mapper {
             alignment: None,
             agreement: None,
             merged: None,
+            moving: Vec::new(),
             recognised: None,
         };
         let held = if points.len() >= LEAST_POINTS {
@@ -226,11 +232,11 @@ impl Mapper {
         let keyframe = Keyframe {
             number: step.scan,
             scan: scan.clone(),
+            is_moving: vec![false; step.extraction.polylines.len()],
             polylines: step.extraction.polylines.clone(),
             points,
             map_from_scan: pose,
         };
-        step.merged = Some(self.merge_locally(&keyframe));
         if let Some(last) = self.keyframes.last() {
             let motion = last.map_from_scan.inverse() * pose;
             let information = step
@@ -248,18 +254,31 @@ impl Mapper {
             self.unlooked_m += motion.translation().norm();
         }
         self.keyframes.push(keyframe);
-        let mut moved = false;
+        let mut moved = self.take_moving_out(step);
+        step.merged = Some(self.merge_newest());
         if self.unlooked_m > 1.0 {
-            moved = self.look_for_known_place(step);
+            moved |= self.look_for_known_place(step);
         }
         if moved || self.local_way_m > 6.0 {
             self.renew_local_map();
         }
     }
 
-    fn merge_locally(&mut self, keyframe: &Keyframe) -> MergeReport {
+    /// Returns whether something had been merged that is now known to move.
+    fn take_moving_out(&mut self, step: &mut Step) -> bool {
+        let newest = self.keyframes.len() - 1;
+        let found = find_moving(&self.keyframes, &self.local, &self.settings.moving);
+        for &(keyframe, polyline) in &found {
+            self.keyframes[keyframe].is_moving[polyline] = true;
+        }
+        step.moving = found.iter().filter(|f| f.0 == newest).map(|f| f.1).collect();
+        found.iter().any(|f| f.0 < newest)
+    }
+
+    fn merge_newest(&mut self) -> MergeReport {
         self.merges += 1;
-        merge(&mut self.local, keyframe, self.merges, &self.settings.merge)
+        let newest = self.keyframes.len() - 1;
+        merge(&mut self.local, &self.keyframes[newest], self.merges, &self.settings.merge)
     }
 
     /// Returns whether a place was recognised.

@@ -76,18 +76,13 @@ pub(crate) fn merge(
     number: u32,
     settings: &MergeSettings,
 ) -> MergeReport {
-    let Keyframe {
-        scan,
-        polylines,
-        map_from_scan,
-        ..
-    } = keyframe;
+    let (scan, map_from_scan) = (&keyframe.scan, keyframe.map_from_scan);
     let mut report = MergeReport::default();
-    for polyline in polylines {
-        let points = simulate::scan_points(polyline, scan.geometry(), *map_from_scan, settings.spacing_m);
+    for polyline in keyframe.standing_polylines() {
+        let points = simulate::scan_points(polyline, scan.geometry(), map_from_scan, settings.spacing_m);
         thread(map, &points, settings, &mut report);
     }
-    report.seen_through = sight::clear_sight(map, scan, *map_from_scan, number, settings);
+    report.seen_through = sight::clear_sight(map, scan, map_from_scan, number, settings);
     map.refresh_skeletons(settings.skeleton_sigma_m);
     report
 }
