@@ -100,6 +100,7 @@ fn main() {
         .expect("map");
     std::fs::write(format!("{out}/trajectory.csv"), csv).expect("csv");
     std::fs::write(format!("{out}/notes.txt"), notes).expect("notes");
+    println!("{} boxes", map.eraser_boxes.len());
     println!("final {:.3} s", t1.elapsed().as_secs_f64());
     println!(
         "{n} scans, {lost} lost, {:.3} ms a scan, {} polylines, {} vertices",

@@ -2,7 +2,7 @@
 
 use crate::align::SidePoint;
 use crate::extract::ScanPolyline;
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
 use crate::graph::Edge;
 use crate::scan::Scan;
 
@@ -16,6 +16,8 @@ pub(crate) struct Keyframe {
     /// Which of the polylines belong to moving objects, and are not merged.
     pub is_moving: Vec<bool>,
     pub points: Vec<SidePoint>,
+    /// Returns in a row that come from no stable shape, laser frame.
+    pub disordered_runs: Vec<Vec<Point>>,
     pub map_from_scan: Pose,
 }
 

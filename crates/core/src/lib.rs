@@ -5,6 +5,7 @@
 //! files, clock, printing or ROS.
 
 pub mod align;
+pub mod eraser;
 pub mod extract;
 mod finish;
 pub mod geometry;

@@ -1,12 +1,14 @@
 //! The pipeline: scan → polylines → match → alignment → merge → map.
 
 use crate::align::{AlignSettings, Alignment, Information, SidePoint};
+use crate::eraser::{EraserSettings, boxes, disordered_runs};
 use crate::extract::{ExtractSettings, Extraction, RunningNoise, extract};
 use crate::geometry::{Pose, wrap_rad};
 use crate::graph::{Edge, optimise};
 use crate::judge::Agreement;
 use crate::keyframe::{Keyframe, ways_m};
-use crate::map::Map;
+use crate::finish::finish;
+use crate::map::{EraserBox, Map};
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::{MergeReport, MergeSettings, merge};
 use crate::moving::{MovingSettings, find_moving};
@@ -24,6 +26,8 @@ pub struct Settings {
     pub align: AlignSettings,
     /// Finding the pose.
     pub place: PlaceSettings,
+    /// Finding what has no stable shape.
+    pub eraser: EraserSettings,
     /// Finding moving objects.
     pub moving: MovingSettings,
     /// Merging.
@@ -92,6 +96,8 @@ pub struct Mapper {
     settings: Settings,
     /// The part of the map around that agrees with itself.
     local: GrowingMap,
+    /// Where nothing is merged, as known when the local map was last made anew.
+    boxes: Vec<EraserBox>,
     /// Way since the local map was last made anew, metres.
     local_way_m: f64,
     merges: u32,
@@ -117,6 +123,7 @@ impl Mapper {
         Self {
             settings,
             local: GrowingMap::default(),
+            boxes: Vec::new(),
             local_way_m: 0.0,
             merges: 0,
             noise: RunningNoise::default(),
@@ -235,6 +242,7 @@ impl Mapper {
             is_moving: vec![false; step.extraction.polylines.len()],
             polylines: step.extraction.polylines.clone(),
             points,
+            disordered_runs: disordered_runs(scan, step.extraction.noise_m, &self.settings.eraser),
             map_from_scan: pose,
         };
         if let Some(last) = self.keyframes.last() {
@@ -278,7 +286,7 @@ impl Mapper {
     fn merge_newest(&mut self) -> MergeReport {
         self.merges += 1;
         let newest = self.keyframes.len() - 1;
-        merge(&mut self.local, &self.keyframes[newest], self.merges, &self.settings.merge)
+        merge(&mut self.local, &self.keyframes[newest], &self.boxes, self.merges, &self.settings.merge)
     }
 
     /// Returns whether a place was recognised.
@@ -316,6 +324,7 @@ impl Mapper {
     fn renew_local_map(&mut self) {
         let newest = self.keyframes.len() - 1;
         let ways = ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M);
+        self.boxes = boxes(&self.keyframes, &self.settings.eraser);
         self.local = GrowingMap::default();
         self.local_way_m = 0.0;
         for (k, way) in ways.iter().enumerate() {
@@ -324,6 +333,7 @@ impl Mapper {
                 merge(
                     &mut self.local,
                     &self.keyframes[k],
+                    &self.boxes,
                     self.merges,
                     &self.settings.merge,
                 );
@@ -351,11 +361,8 @@ impl Mapper {
     /// The map of all scans so far.
     #[must_use]
     pub fn map(&self) -> Map {
-        let mut map = GrowingMap::default();
-        for (k, keyframe) in (0..).zip(&self.keyframes) {
-            merge(&mut map, keyframe, k, &self.settings.merge);
-        }
-        crate::finish::finish(&map, &self.keyframes, &self.settings.merge)
+        let boxes = boxes(&self.keyframes, &self.settings.eraser);
+        finish(&self.keyframes, boxes, &self.settings.merge)
     }
 }
 

@@ -17,6 +17,7 @@ use growing_map::GrowingMap;
 use simulate::ScanPoint;
 
 use crate::keyframe::Keyframe;
+use crate::map::EraserBox;
 
 /// How scans are merged.
 #[derive(Clone, Copy, Debug)]
@@ -69,10 +70,11 @@ pub struct MergeReport {
     pub seen_through: usize,
 }
 
-/// Merges the polylines of a keyframe; `number` counts the keyframes.
+/// Merges the polylines of a keyframe, but for what lies in `erased` boxes; `number` counts the merges.
 pub(crate) fn merge(
     map: &mut GrowingMap,
     keyframe: &Keyframe,
+    erased: &[EraserBox],
     number: u32,
     settings: &MergeSettings,
 ) -> MergeReport {
@@ -80,7 +82,9 @@ pub(crate) fn merge(
     let mut report = MergeReport::default();
     for polyline in keyframe.standing_polylines() {
         let points = simulate::scan_points(polyline, scan.geometry(), map_from_scan, settings.spacing_m);
-        thread(map, &points, settings, &mut report);
+        for stretch in points.split(|p| erased.iter().any(|b| b.contains(p.vertex.point))) {
+            thread(map, stretch, settings, &mut report);
+        }
     }
     report.seen_through = sight::clear_sight(map, scan, map_from_scan, number, settings);
     map.refresh_skeletons(settings.skeleton_sigma_m);

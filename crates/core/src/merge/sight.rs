@@ -56,7 +56,7 @@ fn sides_looked_through(map: &GrowingMap, scan: &Scan, map_from_scan: Pose, sett
     through
 }
 
-/// The sides on the beams that gave no return, as far as the first well-founded one and within four fifths of the
+/// The sides on the beams that gave no return, as far as the first well-founded one and nearer than the
 /// farthest return of the scan: something there would have been seen, unless it is black or glass.
 fn sides_missed(
     map: &GrowingMap,
@@ -76,7 +76,7 @@ fn sides_missed(
     for (beam, _) in scan.ranges_m().iter().enumerate().filter(|(_, r)| !r.is_finite()) {
         let direction = Point::from_polar(1.0, scan.geometry().bearing_rad(beam) + map_from_scan.theta_rad);
         met.clear();
-        map.dense.along_ray(origin, direction, 0.8 * farthest_m, |crossing| {
+        map.dense.along_ray(origin, direction, 0.95 * farthest_m, |crossing| {
             met.push(crossing);
             !is_founded(&crossing)
         });
