@@ -51,7 +51,9 @@ const RIM_M: f64 = 0.05;
 
 /// Runs of returns that span sharp angles, laser frame.
 pub(crate) fn disordered_runs(scan: &Scan, noise_m: f64, settings: &EraserSettings) -> Vec<Vec<Point>> {
-    let points: Vec<Option<Point>> = (0..scan.geometry().beams()).map(|beam| scan.point(beam)).collect();
+    let points: Vec<Option<Point>> = (0..scan.geometry().beams())
+        .map(|beam| scan.point(beam))
+        .collect();
     let mut runs = Vec::new();
     let mut run: Vec<Point> = Vec::new();
     for three in points.windows(3) {
@@ -75,7 +77,10 @@ fn is_disordered(u: Point, v: Point, w: Point, noise_m: f64, settings: &EraserSe
     let (a, b) = (u - v, w - v);
     let legs = [a.norm(), b.norm()];
     let inner_rad = a.cross(b).atan2(a.dot(b)).abs();
-    inner_rad < settings.sharp_angle_rad && legs.iter().all(|l| (LEG_SIGMAS * noise_m..LONGEST_LEG_M).contains(l))
+    inner_rad < settings.sharp_angle_rad
+        && legs
+            .iter()
+            .all(|l| (LEG_SIGMAS * noise_m..LONGEST_LEG_M).contains(l))
 }
 
 /// The boxes that stand, map frame, disjoint, in order of their corners.
@@ -83,13 +88,25 @@ pub(crate) fn boxes(keyframes: &[Keyframe], settings: &EraserSettings) -> Vec<Er
     let mut found: Vec<Found> = Vec::new();
     for (number, keyframe) in keyframes.iter().enumerate() {
         for run in &keyframe.disordered_runs {
-            found.push(Found { area: around(run, keyframe.map_from_scan), keyframes: vec![number] });
+            found.push(Found {
+                area: around(run, keyframe.map_from_scan),
+                keyframes: vec![number],
+            });
         }
     }
     let joined = join_overlapping(found, settings);
-    let mut standing: Vec<Found> = joined.into_iter().filter(|f| stands(f, keyframes, settings)).collect();
+    let mut standing: Vec<Found> = joined
+        .into_iter()
+        .filter(|f| stands(f, keyframes, settings))
+        .collect();
     // Joined boxes of different founding may still touch at the size limit; the paper wants one box there.
-    standing = join_overlapping(standing, &EraserSettings { most_edge_m: f64::INFINITY, ..*settings });
+    standing = join_overlapping(
+        standing,
+        &EraserSettings {
+            most_edge_m: f64::INFINITY,
+            ..*settings
+        },
+    );
     let mut boxes: Vec<EraserBox> = standing.into_iter().map(|f| f.area).collect();
     boxes.sort_by(|a, b| a.min.x.total_cmp(&b.min.x).then(a.min.y.total_cmp(&b.min.y)));
     boxes
@@ -138,7 +155,10 @@ fn stands(found: &Found, keyframes: &[Keyframe], settings: &EraserSettings) -> b
 }
 
 fn sees(keyframe: &Keyframe, area: &EraserBox) -> bool {
-    let inside = keyframe.points.iter().filter(|p| area.contains(keyframe.map_from_scan * p.point));
+    let inside = keyframe
+        .points
+        .iter()
+        .filter(|p| area.contains(keyframe.map_from_scan * p.point));
     inside.take(SEEN_RETURNS).count() >= SEEN_RETURNS
 }
 
@@ -155,22 +175,38 @@ mod tests {
     #[test]
     fn a_plant_before_a_wall_is_disordered_and_the_wall_is_not() {
         let settings = EraserSettings::default();
-        let plant = scan(|k| if (20..30).contains(&k) { 2.0 + 0.25 * (k % 2) as f64 } else { 3.0 });
+        let plant = scan(|k| {
+            if (20..30).contains(&k) {
+                2.0 + 0.25 * (k % 2) as f64
+            } else {
+                3.0
+            }
+        });
         let runs = disordered_runs(&plant, 0.01, &settings);
         assert_eq!(runs.len(), 1);
         assert!((8..=10).contains(&runs[0].len()), "{}", runs[0].len());
         let noisy_wall = scan(|k| 1.0 + 0.01 * ((k * 7) % 5) as f64);
-        assert!(disordered_runs(&noisy_wall, 0.012, &settings).is_empty(), "noise is no plant");
+        assert!(
+            disordered_runs(&noisy_wall, 0.012, &settings).is_empty(),
+            "noise is no plant"
+        );
     }
 
     #[test]
     fn overlapping_boxes_become_one() {
         let at = |x: f64| Found {
-            area: EraserBox { min: Point::new(x, 0.0), max: Point::new(x + 0.5, 0.5) },
+            area: EraserBox {
+                min: Point::new(x, 0.0),
+                max: Point::new(x + 0.5, 0.5),
+            },
             keyframes: vec![(x * 10.0) as usize],
         };
         let joined = join_overlapping(vec![at(0.0), at(2.0), at(0.4)], &EraserSettings::default());
         assert_eq!(joined.len(), 2);
-        assert!(joined.iter().any(|f| f.keyframes == [0, 4] && (f.area.max.x - 0.9).abs() < 1e-12));
+        assert!(
+            joined
+                .iter()
+                .any(|f| f.keyframes == [0, 4] && (f.area.max.x - 0.9).abs() < 1e-12)
+        );
     }
 }

@@ -20,7 +20,10 @@ pub(crate) fn finish(keyframes: &[Keyframe], eraser_boxes: Vec<EraserBox>, setti
     }
     sight::clear_all(&mut map, settings);
     merge_overlaps(&mut map, settings);
-    let mut out = Map { polylines: Vec::new(), eraser_boxes };
+    let mut out = Map {
+        polylines: Vec::new(),
+        eraser_boxes,
+    };
     for (_, polyline) in map.polylines() {
         let points: Vec<Point> = polyline.vertices.iter().map(|v| v.point).collect();
         let weights = vec![1.0 / (0.01 * 0.01); points.len()];

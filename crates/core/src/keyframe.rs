@@ -24,7 +24,11 @@ pub(crate) struct Keyframe {
 impl Keyframe {
     /// The polylines that are merged.
     pub fn standing_polylines(&self) -> impl Iterator<Item = &ScanPolyline> {
-        self.polylines.iter().zip(&self.is_moving).filter(|(_, moving)| !**moving).map(|(p, _)| p)
+        self.polylines
+            .iter()
+            .zip(&self.is_moving)
+            .filter(|(_, moving)| !**moving)
+            .map(|(p, _)| p)
     }
 }
 

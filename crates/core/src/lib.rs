@@ -23,3 +23,4 @@ pub mod scan;
 mod search;
 pub mod shape;
 mod side_points;
+mod virtual_scan;

@@ -3,16 +3,17 @@
 use crate::align::{AlignSettings, Alignment, Information, SidePoint};
 use crate::eraser::{EraserSettings, boxes, disordered_runs};
 use crate::extract::{ExtractSettings, Extraction, RunningNoise, extract};
+use crate::finish::finish;
 use crate::geometry::{Pose, wrap_rad};
 use crate::graph::{Edge, optimise};
 use crate::judge::Agreement;
 use crate::keyframe::{Keyframe, ways_m};
-use crate::finish::finish;
 use crate::map::{EraserBox, Map};
+use crate::matching::Matching;
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::{MergeReport, MergeSettings, merge};
 use crate::moving::{MovingSettings, find_moving};
-use crate::placement::{Motion, PlaceSettings, Placement, place};
+use crate::placement::{Motion, PlaceSettings, Placement, Question, place};
 use crate::recognise::{RecogniseSettings, recognise};
 use crate::scan::Scan;
 use crate::side_points::side_points;
@@ -69,6 +70,10 @@ pub struct Step {
     pub outcome: Outcome,
     /// Its polylines.
     pub extraction: Extraction,
+    /// The matching by shape with the virtual scan, when the predicted pose did not settle it.
+    pub matching: Option<Matching>,
+    /// By how much the pose leads the best other one, when others were found.
+    pub lead: Option<f64>,
     /// Its alignment to the map; `None` for the first scan and for those that could not be aligned.
     pub alignment: Option<Alignment>,
     /// How the whole scan agrees with the map.
@@ -101,6 +106,8 @@ pub struct Mapper {
     /// Way since the local map was last made anew, metres.
     local_way_m: f64,
     merges: u32,
+    /// Polylines of the local map that the last keyframe was merged into.
+    merged_into: Vec<u32>,
     noise: RunningNoise,
     scans: Vec<Held>,
     motion: Option<Motion>,
@@ -126,6 +133,7 @@ impl Mapper {
             boxes: Vec::new(),
             local_way_m: 0.0,
             merges: 0,
+            merged_into: Vec::new(),
             noise: RunningNoise::default(),
             scans: Vec::new(),
             motion: None,
@@ -151,6 +159,8 @@ impl Mapper {
                 reason: NotPlaced::TooFewReturns,
             },
             extraction,
+            matching: None,
+            lead: None,
             alignment: None,
             agreement: None,
             merged: None,
@@ -178,22 +188,28 @@ impl Mapper {
     fn place(&mut self, step: &mut Step, scan: &Scan, points: Vec<SidePoint>) -> Option<Held> {
         let mut pose = Pose::IDENTITY;
         if let Some(motion) = self.motion {
-            let found = place(
-                &points,
-                &self.local.skeleton,
-                &motion,
-                &self.settings.align,
-                &self.settings.place,
-            );
+            let question = Question {
+                points: &points,
+                polylines: &step.extraction.polylines,
+                map: &self.local,
+                merged_into: &self.merged_into,
+                motion: &motion,
+            };
+            let answer = place(question, &self.settings.align, &self.settings.place);
+            step.matching = answer.matching;
             let Some(Placement {
-                alignment, agreement, ..
-            }) = found
+                alignment,
+                agreement,
+                lead,
+                ..
+            }) = answer.placement
             else {
                 step.outcome = Outcome::NotPlaced {
                     reason: NotPlaced::NoMatch,
                 };
                 return None;
             };
+            step.lead = lead;
             step.alignment = Some(alignment);
             step.agreement = Some(agreement);
             pose = alignment.map_from_scan;
@@ -263,7 +279,9 @@ impl Mapper {
         }
         self.keyframes.push(keyframe);
         let mut moved = self.take_moving_out(step);
-        step.merged = Some(self.merge_newest());
+        let report = self.merge_newest();
+        self.merged_into.clone_from(&report.into);
+        step.merged = Some(report);
         if self.unlooked_m > 1.0 {
             moved |= self.look_for_known_place(step);
         }
@@ -286,7 +304,13 @@ impl Mapper {
     fn merge_newest(&mut self) -> MergeReport {
         self.merges += 1;
         let newest = self.keyframes.len() - 1;
-        merge(&mut self.local, &self.keyframes[newest], &self.boxes, self.merges, &self.settings.merge)
+        merge(
+            &mut self.local,
+            &self.keyframes[newest],
+            &self.boxes,
+            self.merges,
+            &self.settings.merge,
+        )
     }
 
     /// Returns whether a place was recognised.
@@ -326,6 +350,7 @@ impl Mapper {
         let ways = ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M);
         self.boxes = boxes(&self.keyframes, &self.settings.eraser);
         self.local = GrowingMap::default();
+        self.merged_into.clear();
         self.local_way_m = 0.0;
         for (k, way) in ways.iter().enumerate() {
             if way.is_some() {

@@ -31,7 +31,13 @@ pub struct MovingSettings {
 
 impl Default for MovingSettings {
     fn default() -> Self {
-        Self { widest_m: 1.2, least_way_m: 0.15, most_way_m: 1.5, most_unlike_rad2: 0.1, least_free: 0.6 }
+        Self {
+            widest_m: 1.2,
+            least_way_m: 0.15,
+            most_way_m: 1.5,
+            most_unlike_rad2: 0.1,
+            least_free: 0.6,
+        }
     }
 }
 
@@ -39,11 +45,19 @@ impl Default for MovingSettings {
 pub(crate) type Appearance = (usize, usize);
 
 /// All appearances of objects that moved between the last two keyframes.
-pub(crate) fn find_moving(keyframes: &[Keyframe], map: &GrowingMap, settings: &MovingSettings) -> Vec<Appearance> {
-    let Some(newest) = keyframes.len().checked_sub(1).filter(|&n| n > 0) else { return Vec::new() };
+pub(crate) fn find_moving(
+    keyframes: &[Keyframe],
+    map: &GrowingMap,
+    settings: &MovingSettings,
+) -> Vec<Appearance> {
+    let Some(newest) = keyframes.len().checked_sub(1).filter(|&n| n > 0) else {
+        return Vec::new();
+    };
     let mut found = Vec::new();
     for number in 0..keyframes[newest].polylines.len() {
-        let Some(object) = Object::of(keyframes, (newest, number), settings) else { continue };
+        let Some(object) = Object::of(keyframes, (newest, number), settings) else {
+            continue;
+        };
         if is_known(&object, map, settings) {
             continue;
         }
@@ -56,7 +70,12 @@ pub(crate) fn find_moving(keyframes: &[Keyframe], map: &GrowingMap, settings: &M
 }
 
 /// Adds an appearance and those before it, back to the first.
-fn trace_back(keyframes: &[Keyframe], object: Object, settings: &MovingSettings, found: &mut Vec<Appearance>) {
+fn trace_back(
+    keyframes: &[Keyframe],
+    object: Object,
+    settings: &MovingSettings,
+    found: &mut Vec<Appearance>,
+) {
     let mut object = Some(object);
     while let Some(o) = object {
         let (keyframe, polyline) = o.appearance;
@@ -90,7 +109,12 @@ impl Object {
             .map(|p| keyframe.map_from_scan * p)
             .collect();
         let middle = points.iter().fold(Point::default(), |sum, &p| sum + p) / points.len() as f64;
-        Some(Self { appearance, shape: Shape::new(polyline)?, points, middle })
+        Some(Self {
+            appearance,
+            shape: Shape::new(polyline)?,
+            points,
+            middle,
+        })
     }
 
     fn stands(&self, other: &Self, settings: &MovingSettings) -> bool {
@@ -106,7 +130,11 @@ fn is_known(object: &Object, map: &GrowingMap, settings: &MovingSettings) -> boo
         max_distance_m: settings.least_way_m,
         beyond_ends: true,
     };
-    let known = object.points.iter().filter(|&&p| map.dense.nearest(p, &near, |_| true).is_some()).count();
+    let known = object
+        .points
+        .iter()
+        .filter(|&&p| map.dense.nearest(p, &near, |_| true).is_some())
+        .count();
     2 * known > object.points.len()
 }
 
@@ -120,7 +148,9 @@ fn earlier(keyframes: &[Keyframe], object: &Object, settings: &MovingSettings) -
     (0..then.polylines.len())
         .filter_map(|k| Object::of(keyframes, (number, k), settings))
         .filter(|o| o.middle.distance(object.middle) <= settings.most_way_m)
-        .filter(|o| o.stands(object, settings) || (was_free && free_share(now, &o.points) >= settings.least_free))
+        .filter(|o| {
+            o.stands(object, settings) || (was_free && free_share(now, &o.points) >= settings.least_free)
+        })
         .filter_map(|o| {
             let alike = similarity(&o.shape, &object.shape, settings.most_unlike_rad2)?;
             (alike.cost_rad2 <= settings.most_unlike_rad2).then_some((alike.cost_rad2, o))
@@ -135,8 +165,14 @@ fn free_share(keyframe: &Keyframe, points: &[Point]) -> f64 {
     let scan_from_map = keyframe.map_from_scan.inverse();
     let passed = points.iter().filter(|&&p| {
         let seen = scan_from_map * p;
-        let beam = keyframe.scan.geometry().beam_of_bearing(seen.bearing_rad()).round();
-        let range_m = (beam >= 0.0).then(|| keyframe.scan.ranges_m().get(beam as usize)).flatten();
+        let beam = keyframe
+            .scan
+            .geometry()
+            .beam_of_bearing(seen.bearing_rad())
+            .round();
+        let range_m = (beam >= 0.0)
+            .then(|| keyframe.scan.ranges_m().get(beam as usize))
+            .flatten();
         range_m.is_some_and(|r| r.is_nan() || *r > seen.norm() + BEHIND_M)
     });
     passed.count() as f64 / points.len().max(1) as f64

@@ -165,7 +165,9 @@ impl GrowingMap {
 
     /// Counts a look through side `side` of a polyline, once a scan.
     pub fn look_through(&mut self, slot: u32, side: u32, scan: u32) {
-        self.count(slot, side, scan, |e| (&mut e.last_seen_through, &mut e.seen_through));
+        self.count(slot, side, scan, |e| {
+            (&mut e.last_seen_through, &mut e.seen_through)
+        });
     }
 
     /// Counts a scan that should have seen side `side` of a polyline and had no return, once a scan.
@@ -173,9 +175,19 @@ impl GrowingMap {
         self.count(slot, side, scan, |e| (&mut e.last_missed, &mut e.missed));
     }
 
-    fn count(&mut self, slot: u32, side: u32, scan: u32, which: impl Fn(&mut Evidence) -> (&mut u32, &mut u32)) {
-        let Some(polyline) = self.slots.get_mut(slot as usize).and_then(Option::as_mut) else { return };
-        let Some(vertex) = Arc::make_mut(polyline).vertices.get_mut(side as usize) else { return };
+    fn count(
+        &mut self,
+        slot: u32,
+        side: u32,
+        scan: u32,
+        which: impl Fn(&mut Evidence) -> (&mut u32, &mut u32),
+    ) {
+        let Some(polyline) = self.slots.get_mut(slot as usize).and_then(Option::as_mut) else {
+            return;
+        };
+        let Some(vertex) = Arc::make_mut(polyline).vertices.get_mut(side as usize) else {
+            return;
+        };
         let (last, count) = which(&mut vertex.onward);
         if *last != scan {
             *last = scan;

@@ -60,8 +60,10 @@ impl Default for MergeSettings {
 }
 
 /// What a merge did.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct MergeReport {
+    /// Polylines of the map that scan points fell on, by slot; ascending.
+    pub(crate) into: Vec<u32>,
     /// Scan points that fell on a polyline of the map.
     pub known_points: usize,
     /// Scan points that were new.
@@ -86,6 +88,8 @@ pub(crate) fn merge(
             thread(map, stretch, settings, &mut report);
         }
     }
+    report.into.sort_unstable();
+    report.into.dedup();
     report.seen_through = sight::clear_sight(map, scan, map_from_scan, number, settings);
     map.refresh_skeletons(settings.skeleton_sigma_m);
     report
@@ -108,6 +112,7 @@ fn thread(
                 &mut report.new_points
             };
             *count += run.points.len();
+            report.into.extend(run.slot);
         }
         points = &points[runs.get(done).map_or(points.len(), |r| r.first)..];
     }

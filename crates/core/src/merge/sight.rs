@@ -38,12 +38,19 @@ pub(crate) fn look(
     through.into_iter().map(|(slot, _)| slot).collect()
 }
 
-fn sides_looked_through(map: &GrowingMap, scan: &Scan, map_from_scan: Pose, settings: &MergeSettings) -> Vec<(u32, u32)> {
+fn sides_looked_through(
+    map: &GrowingMap,
+    scan: &Scan,
+    map_from_scan: Pose,
+    settings: &MergeSettings,
+) -> Vec<(u32, u32)> {
     let origin = map_from_scan.translation();
     let mut through = Vec::new();
     for (_, point) in scan.points() {
         let place = map_from_scan * point;
-        let Some(direction) = (place - origin).unit() else { continue };
+        let Some(direction) = (place - origin).unit() else {
+            continue;
+        };
         let free_m = origin.distance(place) - settings.sight_margin_m;
         map.dense.along_ray(origin, direction, free_m, |crossing| {
             if is_looked_through(map, &crossing, direction, place, settings) {
@@ -65,10 +72,17 @@ fn sides_missed(
     settings: &MergeSettings,
 ) -> Vec<(u32, u32)> {
     let origin = map_from_scan.translation();
-    let farthest_m = scan.ranges_m().iter().copied().filter(|r| r.is_finite()).fold(0.0, f64::max);
+    let farthest_m = scan
+        .ranges_m()
+        .iter()
+        .copied()
+        .filter(|r| r.is_finite())
+        .fold(0.0, f64::max);
     let is_founded = |crossing: &Crossing| {
         let side = map.dense.side(crossing.side);
-        let vertex = map.polyline(side.owner).and_then(|p| p.vertices.get(side.index as usize));
+        let vertex = map
+            .polyline(side.owner)
+            .and_then(|p| p.vertices.get(side.index as usize));
         vertex.is_some_and(|v| v.onward.hits > FEW_HITS)
     };
     let mut missed = Vec::new();
@@ -76,11 +90,16 @@ fn sides_missed(
     for (beam, _) in scan.ranges_m().iter().enumerate().filter(|(_, r)| !r.is_finite()) {
         let direction = Point::from_polar(1.0, scan.geometry().bearing_rad(beam) + map_from_scan.theta_rad);
         met.clear();
-        map.dense.along_ray(origin, direction, 0.95 * farthest_m, |crossing| {
-            met.push(crossing);
-            !is_founded(&crossing)
-        });
-        let wall_m = met.iter().filter(|c| is_founded(c)).map(|c| c.range_m).fold(f64::INFINITY, f64::min);
+        map.dense
+            .along_ray(origin, direction, 0.95 * farthest_m, |crossing| {
+                met.push(crossing);
+                !is_founded(&crossing)
+            });
+        let wall_m = met
+            .iter()
+            .filter(|c| is_founded(c))
+            .map(|c| c.range_m)
+            .fold(f64::INFINITY, f64::min);
         for crossing in met.iter().filter(|c| c.range_m < wall_m) {
             let side = map.dense.side(crossing.side);
             if is_faced(map, side, direction, settings) {
@@ -127,7 +146,9 @@ fn is_looked_through(
     settings: &MergeSettings,
 ) -> bool {
     let side = map.dense.side(crossing.side);
-    let Some(polyline) = map.polyline(side.owner) else { return false };
+    let Some(polyline) = map.polyline(side.owner) else {
+        return false;
+    };
     let span_m = polyline.span_m();
     let off_wall_m = side.normal().dot(place - side.segment.a).abs();
     let off_line = off_wall_m >= settings.sight_margin_m * 0.5 || span_m < SMALL_M;
@@ -135,7 +156,10 @@ fn is_looked_through(
         return false;
     }
     let at = side.segment.at(crossing.share);
-    let (first, last) = (&polyline.vertices[0], &polyline.vertices[polyline.vertices.len() - 1]);
+    let (first, last) = (
+        &polyline.vertices[0],
+        &polyline.vertices[polyline.vertices.len() - 1],
+    );
     let end_m = 0.05_f64.min(0.25 * span_m);
     first.point.distance(at) >= end_m && last.point.distance(at) >= end_m
 }
@@ -156,7 +180,8 @@ pub(crate) fn clear_all(map: &mut GrowingMap, settings: &MergeSettings) {
 /// who walked by in front of a wall, or in front of nothing.
 fn is_false(side: &Evidence, settings: &MergeSettings) -> bool {
     let looks = f64::from(side.seen_through);
-    let looked_through = side.seen_through >= 2 && looks > settings.sight_share * (looks + f64::from(side.hits));
+    let looked_through =
+        side.seen_through >= 2 && looks > settings.sight_share * (looks + f64::from(side.hits));
     let missed = side.hits <= FEW_HITS && side.missed >= 5 * side.hits;
     looked_through || missed
 }
