@@ -40,7 +40,7 @@ fn main() {
         let Ok(g) = geometry else { continue };
         let ranges: Vec<f64> = (first.0..first.0 + first.1).map(f).collect();
         let Ok(scan) = Scan::new(g, ranges) else { continue };
-        let step = mapper.add_scan(&scan);
+        let step = mapper.add_scan(&scan, None);
         if let Some(a) = step.alignment {
             let g = step.agreement.unwrap_or_default();
             notes += &format!(

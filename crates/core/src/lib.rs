@@ -5,6 +5,7 @@
 //! files, clock, printing or ROS.
 
 pub mod align;
+mod atlas;
 pub mod eraser;
 pub mod extract;
 mod finish;

@@ -20,16 +20,22 @@ pub(crate) struct Motion {
     pub map_from_scan: Pose,
     /// From the last scan but one to the last, in the frame of the former.
     pub step: Pose,
+    /// By odometry, from the last placed scan to now, in the frame of the former.
+    pub driven: Option<Pose>,
     /// Scans since, that could not be placed.
     pub lost_scans: u32,
 }
 
 impl Motion {
-    /// Where the scanner is when it keeps on moving as before.
+    /// Where the scanner is when it keeps on moving as before, or as odometry says: wheels slip by a tenth of the way.
     fn predicted(&self) -> Guess {
-        Guess {
-            map_from_scan: self.map_from_scan * self.step,
-            ..self.standing()
+        match self.driven {
+            Some(driven) => Guess {
+                map_from_scan: self.map_from_scan * driven,
+                sigma_m: 0.02 + 0.1 * driven.translation().norm(),
+                sigma_rad: 0.02 + 0.1 * driven.theta_rad.abs(),
+            },
+            None => Guess { map_from_scan: self.map_from_scan * self.step, ..self.standing() },
         }
     }
 
@@ -111,6 +117,8 @@ pub(crate) struct Answer {
     /// `None` when no pose is believed.
     pub placement: Option<Placement>,
     pub matching: Option<Matching>,
+    /// What it was matched with, frame of the last placed scan.
+    pub virtual_scan: Option<Vec<Polyline>>,
 }
 
 /// Finds the scan's pose.
@@ -129,10 +137,7 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
     if let Some(p) = predicted
         && stage.is_unsurprising(&p)
     {
-        return Answer {
-            placement: Some(p),
-            matching: None,
-        };
+        return Answer { placement: Some(p), ..Answer::default() };
     }
     let standing = stage.try_guess(&motion.standing(), false);
     let wide = Guess {
@@ -147,12 +152,10 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
         && stage.is_good(&p)
         && motion.lost_scans == 0
     {
-        return Answer {
-            placement: Some(p),
-            matching: None,
-        };
+        return Answer { placement: Some(p), ..Answer::default() };
     }
-    let (matching, by_shape) = match_by_shape(question, &stage);
+    let reference = virtual_scan(map, motion.map_from_scan, question.merged_into);
+    let (matching, by_shape) = match_by_shape(question.polylines, &reference, &stage);
     let mut all = near;
     all.extend(by_shape);
     let mut placement = stage.best_of(&mut all);
@@ -166,16 +169,20 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
     Answer {
         placement: placement.filter(is_believed),
         matching: Some(matching),
+        virtual_scan: Some(reference),
     }
 }
 
 /// The paper's way (section 3.3): the scan's polylines are matched by shape with the virtual scan, and every alignment
 /// that the correspondences induce is a candidate.
-fn match_by_shape(question: Question, stage: &Stage) -> (Matching, Vec<Placement>) {
-    let map_from_last = question.motion.map_from_scan;
-    let reference = virtual_scan(question.map, map_from_last, question.merged_into);
-    let scan: Vec<Polyline> = question.polylines.iter().map(|p| p.polyline.clone()).collect();
-    let matching = match_polylines(&scan, &reference, &stage.estimate());
+fn match_by_shape(
+    polylines: &[ScanPolyline],
+    reference: &[Polyline],
+    stage: &Stage,
+) -> (Matching, Vec<Placement>) {
+    let map_from_last = stage.motion.map_from_scan;
+    let scan: Vec<Polyline> = polylines.iter().map(|p| p.polyline.clone()).collect();
+    let matching = match_polylines(&scan, reference, &stage.estimate());
     let placements = matching
         .hypotheses
         .iter()
@@ -259,7 +266,7 @@ impl Stage<'_> {
     fn estimate(&self) -> PoseGaussian {
         let wider = 1.0 + 0.5 * f64::from(self.motion.lost_scans.min(10));
         PoseGaussian {
-            mean: self.motion.step,
+            mean: self.motion.driven.unwrap_or(self.motion.step),
             information: unmoved().information.scaled(1.0 / (wider * wider)),
         }
     }
