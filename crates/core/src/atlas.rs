@@ -16,7 +16,7 @@ use crate::mapper::{Settings, Step};
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::{MergeSettings, merge};
 use crate::moving::find_moving;
-use crate::recognise::recognise;
+use crate::recognise::{RecogniseSettings, recognise};
 use crate::scan::Scan;
 
 /// Keyframes within this way along the graph make up the map around, metres. Drift stays below the gate of merging.
@@ -25,6 +25,9 @@ const LOCAL_M: f64 = 12.0;
 const RENEW_AFTER_M: f64 = 6.0;
 /// Way between two looks for a known place, metres.
 const LOOK_AFTER_M: f64 = 1.0;
+
+/// Two closures within a few metres of each other agree when they differ by less than this, metres.
+const AGREE_M: f64 = 0.4;
 
 /// A scan is merged when the scanner has moved or turned so far since the last merged one (metres, radians), ...
 const KEYFRAME_M: f64 = 0.25;
@@ -46,6 +49,8 @@ pub(crate) struct Atlas {
     merged_into: Vec<u32>,
     /// Merges into the map around, ever.
     merges: u32,
+    /// A closure that waits for another to agree with it.
+    waiting: Option<Edge>,
     /// Something that was merged has moved since.
     is_stale: bool,
     /// Way since the map around was made anew, and since the last look for a known place, metres.
@@ -145,15 +150,41 @@ impl Atlas {
             self.unlooked_m = 0.0;
             if let Some(edge) = self.known_place(settings) {
                 step.recognised = Some(self.keyframes[edge.from].number);
-                self.edges.push(edge);
-                self.optimise();
-                is_closed = true;
+                is_closed = self.close(edge, &settings.recognise);
             }
         }
         if is_closed || self.is_stale || self.unrenewed_m > RENEW_AFTER_M {
             self.renew_local(settings);
         }
         self.pose(newest) * before.inverse()
+    }
+
+    /// Takes a closure into the graph, at once if it moves things little, else when the next one agrees with it.
+    /// Returns whether poses moved.
+    fn close(&mut self, edge: Edge, settings: &RecogniseSettings) -> bool {
+        let waiting = self.waiting.take();
+        if self.jump_m(&edge) > settings.confirm_beyond_m {
+            let agrees = |w: &Edge| self.disagreement_m(w, &edge) < AGREE_M;
+            if !waiting.as_ref().is_some_and(agrees) {
+                self.waiting = Some(edge);
+                return false;
+            }
+            self.edges.extend(waiting);
+        }
+        self.edges.push(edge);
+        self.optimise();
+        true
+    }
+
+    /// How far a closure would move its newer keyframe, metres.
+    fn jump_m(&self, edge: &Edge) -> f64 {
+        (self.pose(edge.from) * edge.motion).distance(self.pose(edge.to))
+    }
+
+    /// How far apart two closures would put the newer keyframe, metres.
+    fn disagreement_m(&self, a: &Edge, b: &Edge) -> f64 {
+        let by_a = self.pose(a.from) * a.motion * self.pose(a.to).inverse() * self.pose(b.to);
+        by_a.distance(self.pose(b.from) * b.motion)
     }
 
     fn known_place(&self, settings: &Settings) -> Option<Edge> {

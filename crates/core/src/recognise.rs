@@ -25,10 +25,14 @@ pub struct RecogniseSettings {
     pub least_fit: f64,
     /// Share of the beams that the old place must say something of.
     pub least_known: f64,
-    /// By how much the score of the second best pose must be worse, or
+    /// By how much the score of the second best pose must be worse, and
     pub least_lead: f64,
-    /// how many times as many beams must disagree with it.
+    /// how many times as many beams must disagree with it;
     pub least_outdoing: f64,
+    /// or how many times whatever the score.
+    pub clear_outdoing: f64,
+    /// A closure that moves the newest keyframe farther than this, metres, waits for a second one that agrees.
+    pub confirm_beyond_m: f64,
 }
 
 impl Default for RecogniseSettings {
@@ -37,10 +41,12 @@ impl Default for RecogniseSettings {
             stretch_m: 3.0,
             drift_share: 0.012,
             most_window_m: 6.0,
-            least_fit: 0.75,
+            least_fit: 0.85,
             least_known: 0.5,
             least_lead: 0.10,
-            least_outdoing: 2.5,
+            least_outdoing: 1.5,
+            clear_outdoing: 2.5,
+            confirm_beyond_m: 1.0,
         }
     }
 }
@@ -238,7 +244,8 @@ impl Place {
         let lead = second.map_or(1.0, |s| score - s.0);
         let misfit = |a: &Agreement| 1.0 - a.fit() + 0.02;
         let outdoes = second.map_or(f64::INFINITY, |s| misfit(&s.1) / misfit(&agreement));
-        let is_alone = lead >= settings.least_lead || outdoes >= settings.least_outdoing;
+        let is_alone = (lead >= settings.least_lead && outdoes >= settings.least_outdoing)
+            || outdoes >= settings.clear_outdoing;
         let believed = alignment.unobservable.is_none()
             && drift.squares(pose, here) < MOST_SQUARES
             && agreement.fit() >= settings.least_fit
