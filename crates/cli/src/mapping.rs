@@ -2,7 +2,7 @@
 
 use polymapper_core::geometry::Pose;
 use polymapper_core::map::Map;
-use polymapper_core::mapper::{self, Mapper, NotPlaced, Settings};
+use polymapper_core::mapper::{self, Mapper, NotPlaced, Settings, Stage};
 use polymapper_core::scan::Scan;
 use polymapper_io::out::Outcome;
 use serde_json::Value;
@@ -44,13 +44,12 @@ impl CoreMapping {
 }
 
 impl Mapping for CoreMapping {
-    fn add_scan(&mut self, scan: &Scan, _odometry: Option<Pose>, clock: &mut StageClock) {
-        clock.enter("map");
-        self.mapper.add_scan(scan);
+    fn add_scan(&mut self, scan: &Scan, odometry: Option<Pose>, clock: &mut StageClock) {
+        self.mapper.add_scan_watched(scan, odometry, &mut |stage| clock.enter(stage.name()));
     }
 
     fn finish(self, clock: &mut StageClock) -> Finished {
-        clock.enter("finish");
+        clock.enter(Stage::Finish.name());
         Finished {
             map: self.mapper.map(),
             outcomes: self.mapper.outcomes().iter().map(outcome).collect(),

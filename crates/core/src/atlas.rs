@@ -14,7 +14,7 @@ use crate::keyframe::{Keyframe, ways_m};
 use crate::map::{EraserBox, Map};
 use crate::mapper::{Settings, Step};
 use crate::merge::growing_map::GrowingMap;
-use crate::merge::{MergeSettings, merge};
+use crate::merge::{MergeReport, MergeSettings, merge, merge_all};
 use crate::moving::find_moving;
 use crate::recognise::{RecogniseSettings, recognise};
 use crate::scan::Scan;
@@ -136,7 +136,7 @@ impl Atlas {
         }
     }
 
-    fn merge_locally(&mut self, keyframe: usize, settings: &MergeSettings) -> crate::merge::MergeReport {
+    fn merge_locally(&mut self, keyframe: usize, settings: &MergeSettings) -> MergeReport {
         self.merges += 1;
         merge(&mut self.local, &self.keyframes[keyframe], &self.boxes, self.merges, settings)
     }
@@ -203,18 +203,22 @@ impl Atlas {
     }
 
     fn renew_local(&mut self, settings: &Settings) {
-        let newest = self.keyframes.len() - 1;
-        let ways = ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M);
         self.boxes = boxes(&self.keyframes, &settings.eraser);
         self.local = GrowingMap::default();
-        for (k, way) in ways.iter().enumerate() {
-            if way.is_some() {
-                let report = self.merge_locally(k, &settings.merge);
-                self.merged_into = report.into;
-            }
-        }
+        let around: Vec<usize> = self.keyframes_around();
+        let keyframes = around.iter().map(|&k| &self.keyframes[k]);
+        let report = merge_all(&mut self.local, keyframes, &self.boxes, &settings.merge);
+        self.merges = around.len() as u32;
+        self.merged_into = report.into;
         self.unrenewed_m = 0.0;
         self.is_stale = false;
+    }
+
+    /// The keyframes that make up the map around, ascending.
+    fn keyframes_around(&self) -> Vec<usize> {
+        let newest = self.keyframes.len() - 1;
+        let ways = ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M);
+        ways.iter().enumerate().filter_map(|(k, way)| way.map(|_| k)).collect()
     }
 
     /// The map of all keyframes, after the final pass.

@@ -64,7 +64,6 @@ pub(crate) fn recognise(
     settings: &RecogniseSettings,
 ) -> Option<Edge> {
     let newest = keyframes.len().checked_sub(1)?;
-    let here = keyframes[newest].map_from_scan;
     let travelled = |k: usize| ways_m[k].unwrap_or(f64::INFINITY);
     let drift = |k: usize| Drift::after(travelled(k), settings);
     let seen_here = seen_around(&keyframes[newest]);

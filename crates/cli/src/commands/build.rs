@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use polymapper_core::geometry::Polyline;
 use polymapper_core::map::Map;
 use polymapper_core::mapper::Settings;
@@ -30,9 +30,6 @@ pub fn run(args: &BuildArgs) -> anyhow::Result<Finish> {
     prepare_folder(&args.output)?;
     let log = scans::open(&args.log.log, args.log.read_options())?;
     let odometry_used = args.log.use_odometry;
-    if odometry_used {
-        bail!("--use-odometry: the mapper does not take odometry yet");
-    }
     build(
         log,
         CoreMapping::new(Settings::default()),

@@ -11,7 +11,7 @@ use crate::extract::simplify_chain;
 use crate::geometry::{Point, SideGrid};
 
 /// What another side of a skeleton must save in squared deviations, in units of σ²; the same as for scans.
-const SIDE_PENALTY: f64 = 16.0;
+pub(crate) const SIDE_PENALTY: f64 = 16.0;
 
 /// What scans say of a side.
 #[derive(Clone, Copy, Debug)]

@@ -72,8 +72,36 @@ pub struct MergeReport {
     pub seen_through: usize,
 }
 
-/// Merges the polylines of a keyframe, but for what lies in `erased` boxes; `number` counts the merges.
+/// Merges a keyframe and brings the skeletons up to date.
 pub(crate) fn merge(
+    map: &mut GrowingMap,
+    keyframe: &Keyframe,
+    erased: &[EraserBox],
+    number: u32,
+    settings: &MergeSettings,
+) -> MergeReport {
+    let report = merge_vertices(map, keyframe, erased, number, settings);
+    map.refresh_skeletons(settings.skeleton_sigma_m);
+    report
+}
+
+/// Merges keyframes one after the other, numbered from 0.
+pub(crate) fn merge_all<'a>(
+    map: &mut GrowingMap,
+    keyframes: impl IntoIterator<Item = &'a Keyframe>,
+    erased: &[EraserBox],
+    settings: &MergeSettings,
+) -> MergeReport {
+    let mut report = MergeReport::default();
+    for (number, keyframe) in (0..).zip(keyframes) {
+        report = merge_vertices(map, keyframe, erased, number, settings);
+    }
+    map.refresh_skeletons(settings.skeleton_sigma_m);
+    report
+}
+
+/// Merges the polylines of a keyframe, but for what lies in `erased` boxes; `number` tells the merges apart.
+fn merge_vertices(
     map: &mut GrowingMap,
     keyframe: &Keyframe,
     erased: &[EraserBox],
@@ -91,7 +119,6 @@ pub(crate) fn merge(
     report.into.sort_unstable();
     report.into.dedup();
     report.seen_through = sight::clear_sight(map, scan, map_from_scan, number, settings);
-    map.refresh_skeletons(settings.skeleton_sigma_m);
     report
 }
 

@@ -12,5 +12,5 @@
 mod branch;
 mod field;
 
-pub(crate) use branch::{Candidate, Window, search};
+pub(crate) use branch::{Window, search};
 pub(crate) use field::Field;
