@@ -45,7 +45,8 @@ impl CoreMapping {
 
 impl Mapping for CoreMapping {
     fn add_scan(&mut self, scan: &Scan, odometry: Option<Pose>, clock: &mut StageClock) {
-        self.mapper.add_scan_watched(scan, odometry, &mut |stage| clock.enter(stage.name()));
+        self.mapper
+            .add_scan_watched(scan, odometry, &mut |stage| clock.enter(stage.name()));
     }
 
     fn finish(self, clock: &mut StageClock) -> Finished {

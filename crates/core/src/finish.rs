@@ -26,7 +26,8 @@ pub(crate) fn finish(keyframes: &[Keyframe], eraser_boxes: Vec<EraserBox>, setti
         polylines: Vec::new(),
         eraser_boxes,
     };
-    out.polylines.extend(map.polylines().map(|(_, p)| finished(p, settings)));
+    out.polylines
+        .extend(map.polylines().map(|(_, p)| finished(p, settings)));
     out
 }
 
@@ -50,5 +51,8 @@ fn finished(polyline: &GrowingPolyline, settings: &MergeSettings) -> MapPolyline
             }
         })
         .collect();
-    MapPolyline { id: polyline.id, vertices }
+    MapPolyline {
+        id: polyline.id,
+        vertices,
+    }
 }

@@ -5,7 +5,7 @@
 //! the scan disagrees with it (a jump, a standstill after motion, somebody walking along), other poses are tried, and
 //! if none agrees, all poses in a window around ([`crate::search`]).
 
-use crate::align::{AlignSettings, Alignment, Guess, Prior, SidePoint, align_to_grid};
+use crate::align::{AlignSettings, Alignment, Guess, SidePoint, align_to_grid};
 use crate::extract::ScanPolyline;
 use crate::geometry::{Point, Polyline, Pose, SideGrid, wrap_rad};
 use crate::judge::{Agreement, judge};
@@ -35,7 +35,10 @@ impl Motion {
                 sigma_m: 0.02 + 0.1 * driven.translation().norm(),
                 sigma_rad: 0.02 + 0.1 * driven.theta_rad.abs(),
             },
-            None => Guess { map_from_scan: self.map_from_scan * self.step, ..self.standing() },
+            None => Guess {
+                map_from_scan: self.map_from_scan * self.step,
+                ..self.standing()
+            },
         }
     }
 
@@ -133,26 +136,32 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
         align,
         settings,
     };
-    let predicted = stage.try_guess(&motion.predicted(), true);
+    let predicted = stage.try_guess(&motion.predicted());
     if let Some(p) = predicted
         && stage.is_unsurprising(&p)
     {
-        return Answer { placement: Some(p), ..Answer::default() };
+        return Answer {
+            placement: Some(p),
+            ..Answer::default()
+        };
     }
-    let standing = stage.try_guess(&motion.standing(), false);
+    let standing = stage.try_guess(&motion.standing());
     let wide = Guess {
         sigma_m: 0.2,
         sigma_rad: 0.1,
         ..motion.predicted()
     };
-    let wide = stage.try_guess(&wide, false);
+    let wide = stage.try_guess(&wide);
     let near: Vec<Placement> = [predicted, standing, wide].into_iter().flatten().collect();
     let best = near.iter().copied().max_by(|a, b| a.merit.total_cmp(&b.merit));
     if let Some(p) = best
         && stage.is_good(&p)
         && motion.lost_scans == 0
     {
-        return Answer { placement: Some(p), ..Answer::default() };
+        return Answer {
+            placement: Some(p),
+            ..Answer::default()
+        };
     }
     let reference = virtual_scan(map, motion.map_from_scan, question.merged_into);
     let (matching, by_shape) = match_by_shape(question.polylines, &reference, &stage);
@@ -188,14 +197,11 @@ fn match_by_shape(
         .iter()
         .filter_map(|h| {
             let map_from_scan = map_from_last * h.reference_from_scan;
-            stage.try_guess(
-                &Guess {
-                    map_from_scan,
-                    sigma_m: 0.1,
-                    sigma_rad: 0.03,
-                },
-                false,
-            )
+            stage.try_guess(&Guess {
+                map_from_scan,
+                sigma_m: 0.1,
+                sigma_rad: 0.03,
+            })
         })
         .collect();
     (matching, placements)
@@ -210,14 +216,16 @@ struct Stage<'a> {
 }
 
 impl Stage<'_> {
-    fn try_guess(&self, guess: &Guess, with_prior: bool) -> Option<Placement> {
-        let prior: Option<Prior> = with_prior.then(|| guess.prior());
+    /// Aligns from a guess and judges the result. The guess is its own prior: along a corridor the scan stays where
+    /// it was guessed to be, instead of sliding to where the noise of the walls would have it.
+    fn try_guess(&self, guess: &Guess) -> Option<Placement> {
+        let prior = guess.prior();
         let alignment = align_to_grid(
             self.points,
             self.map,
             |_, _| true,
             guess,
-            prior.as_ref(),
+            Some(&prior),
             self.align,
         )?;
         let agreement = judge(
@@ -226,7 +234,7 @@ impl Stage<'_> {
             alignment.map_from_scan,
             self.settings.gate_m,
         );
-        let merit = agreement.score() - self.unlikely(alignment.map_from_scan);
+        let merit = agreement.score() - self.unlikely(&alignment);
         Some(Placement {
             alignment,
             agreement,
@@ -235,14 +243,19 @@ impl Stage<'_> {
         })
     }
 
-    /// What a pose far from the predicted one loses: a weak prior of going on as before, at most 0.15.
-    fn unlikely(&self, map_from_scan: Pose) -> f64 {
-        let predicted = self.motion.predicted().map_from_scan;
+    /// What a pose far from the predicted one loses: a weak prior of going on as before, at most 0.15. Along a
+    /// direction that the walls leave open, the motion is all there is to go by.
+    fn unlikely(&self, alignment: &Alignment) -> f64 {
+        let predicted = self.motion.predicted();
+        let off = alignment.map_from_scan.translation() - predicted.map_from_scan.translation();
+        let turn_rad = wrap_rad(predicted.map_from_scan.theta_rad - alignment.map_from_scan.theta_rad);
         let scale = 1.0 + f64::from(self.motion.lost_scans);
-        let sigma_m = (0.3 + 0.5 * self.motion.step.translation().norm()) * scale;
-        let off_m = predicted.distance(map_from_scan) / sigma_m;
-        let off_rad = wrap_rad(predicted.theta_rad - map_from_scan.theta_rad) / (0.4 * scale);
-        (0.005 * (off_m * off_m + off_rad * off_rad)).min(0.15)
+        let off_m = off.norm() / ((0.3 + 0.5 * self.motion.step.translation().norm()) * scale);
+        let off_rad = turn_rad / (0.4 * scale);
+        let off_along = alignment
+            .unobservable
+            .map_or(0.0, |d| off.dot(d) / (3.0 * predicted.sigma_m * scale));
+        (0.005 * (off_m * off_m + off_rad * off_rad + off_along * off_along)).min(0.15)
     }
 
     fn is_unsurprising(&self, p: &Placement) -> bool {
@@ -310,7 +323,7 @@ impl Stage<'_> {
                     sigma_m: 0.07,
                     sigma_rad: 0.02,
                 };
-                self.try_guess(&guess, false)
+                self.try_guess(&guess)
             })
             .collect()
     }
