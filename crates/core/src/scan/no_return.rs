@@ -14,8 +14,9 @@
 //! than 0.2 m takes the code back, since nothing is farther than no return.
 //!
 //! Real codes are not always one value: SICK scanners have nine (8.183 to 8.191 m), and logs whose ranges were
-//! worked over spread theirs (51.05 to 51.16 m); hence the 0.2 m. In eleven real logs the code is read 498 to 11139
-//! times, and 0 to 14 readings lie in the 0.1 m below it.
+//! worked over spread theirs (51.05 to 51.16 m); hence the 0.2 m. In the seven real logs at hand that hold codes below
+//! 80 m, these are read 620 to 11139 times and 0 to 8 readings lie in the 0.1 m below (142 under 6724 in the one
+//! whose scanner reaches 8 m); in the five that hold none, nothing is taken for one.
 
 use std::collections::BTreeMap;
 
