@@ -25,8 +25,13 @@ const KEYFRAMES: usize = 20;
 const KEYFRAME_M: f64 = 0.25;
 /// ... or turned this far, radians.
 const KEYFRAME_RAD: f64 = 0.17;
-/// Farthest map point that a return is compared with, metres; about what constant velocity is off by at a turn.
-const GATE_M: f64 = 0.5;
+/// Farthest map point that a return is compared with in the first round, metres; what returns at 5 m are off by when
+/// constant velocity misses a turn of 11°.
+const GATE_M: f64 = 1.0;
+/// The same in late rounds, metres. Left wide throughout, the ends of walls that come into view pull the pose along.
+const LAST_GATE_M: f64 = 0.1;
+/// From round to round the gate becomes so much of itself.
+const GATE_RATIO: f64 = 0.7;
 /// Rounds of Gauss-Newton at most; most scans need five to ten.
 const ROUNDS: usize = 30;
 
@@ -92,12 +97,15 @@ impl LocalMap {
     /// The pose of a scan, from the one expected; the expected one where nothing can be solved for.
     fn aligned(&self, scan: &Scan, expected: Pose) -> Pose {
         let mut pose = expected;
+        let mut gate_m = GATE_M;
         for _ in 0..ROUNDS {
             let (mut information, mut pull) = (Information::default(), [0.0; 3]);
             for (_, point) in scan.points() {
                 let arm = pose.rotate(point);
                 let at = pose.translation() + arm;
-                let Some(wall) = self.nearest(at) else { continue };
+                let Some(wall) = self.nearest(at, gate_m) else {
+                    continue;
+                };
                 // d(n · q) for a motion of the scanner by dx, dy and a turn about it.
                 let jacobian = [wall.normal.x, wall.normal.y, arm.cross(wall.normal)];
                 let residual_m = wall.normal.dot(at - wall.at);
@@ -110,9 +118,10 @@ impl LocalMap {
                 return pose;
             };
             pose = Pose::new(pose.x + dx, pose.y + dy, wrap_rad(pose.theta_rad + turn_rad));
-            if dx.abs() + dy.abs() + turn_rad.abs() < 1e-5 {
+            if gate_m <= LAST_GATE_M && dx.abs() + dy.abs() + turn_rad.abs() < 1e-5 {
                 break;
             }
+            gate_m = LAST_GATE_M.max(gate_m * GATE_RATIO);
         }
         pose
     }
@@ -136,10 +145,10 @@ impl LocalMap {
     }
 
     /// The nearest map point within the gate.
-    fn nearest(&self, at: Point) -> Option<WallPoint> {
+    fn nearest(&self, at: Point, gate_m: f64) -> Option<WallPoint> {
         let (column, row) = cell(at);
         let mut best = None;
-        let mut best_m = GATE_M;
+        let mut best_m = gate_m;
         for key in (-1..=1).flat_map(|c| (-1..=1).map(move |r| (column + c, row + r))) {
             for point in self.cells.get(&key).into_iter().flatten() {
                 let distance_m = point.at.distance(at);
