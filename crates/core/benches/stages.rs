@@ -150,7 +150,7 @@ fn pipeline(criterion: &mut Criterion, kind: ScannerKind, log: &SimLog) {
     group.bench_function(format!("add {SCANS} scans/{kind}"), |b| b.iter(build));
     let mapper = build();
     group.bench_function(format!("map of {SCANS} scans/{kind}"), |b| {
-        b.iter(|| mapper.map())
+        b.iter(|| mapper.map());
     });
     group.finish();
 }

@@ -8,8 +8,10 @@
 //! - `mean`, `max`: how far the placed scans are off, metres, and `turn`, the most, degrees, after the best fit;
 //! - `jump@scan`: the largest error of the motion from one placed scan to the next, metres, and where it was made:
 //!   where a map begins to go wrong;
+//! - `off@scan`: the first such error above 0.3 m;
 //! - `loops`: places that were recognised, and how many of them wrongly (more than 0.5 m off against each other);
-//! - `ms`: time a scan takes.
+//! - `ms`: time a scan takes;
+//! - `wrong`: the first place that was recognised wrongly: scan > old scan, and how far they truly are apart, metres.
 
 use std::process::ExitCode;
 use std::str::FromStr;
@@ -39,7 +41,7 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn std::error::Error>> {
         return Err("usage: score_simulated PLANS SCANNERS MOTIONS PEOPLE SEEDS".into());
     };
     println!(
-        "plan          scanner    motion    people seed scans lost    F5    F2 double% people%  mean    max  turn jump@scan     loops    ms"
+        "plan          scanner    motion    people seed scans lost    F5    F2 double% people%  mean    max  turn jump@scan     off@scan      loops    ms wrong"
     );
     for plan in list(plans, &PlanKind::ALL)? {
         for kind in list(scanners, &ScannerKind::ALL)? {
@@ -86,7 +88,7 @@ impl Row {
     /// Builds the map of a log and measures it.
     fn measure(log: &SimLog) -> Self {
         let mut mapper = Mapper::new(Settings::default());
-        let (mut loops, mut wrong) = (0, 0);
+        let (mut loops, mut wrong, mut first_wrong) = (0, 0, String::new());
         let started = Instant::now();
         for scan in &log.scans {
             let step = mapper.add_scan(scan);
@@ -96,7 +98,13 @@ impl Row {
                 let off_m = placed_pose(&outcomes, old)
                     .zip(placed_pose(&outcomes, step.scan))
                     .map_or(0.0, |(a, b)| motion_error_m(log, (old, a), (step.scan, b)));
-                wrong += usize::from(off_m > 0.5);
+                if off_m > 0.5 {
+                    if wrong == 0 {
+                        let truly_m = log.truth_poses[old].distance(log.truth_poses[step.scan]);
+                        first_wrong = format!("{} > {old}, {truly_m:.1} m", step.scan);
+                    }
+                    wrong += 1;
+                }
             }
         }
         let map = mapper.map();
@@ -116,10 +124,11 @@ impl Row {
         });
         let walls: Vec<Polyline> = map.polylines.iter().filter_map(MapPolyline::polyline).collect();
         let score = score_map(&walls, world_from_map, &log.map_truth());
-        let (jump_m, jump_scan) = worst_jump(log, &placed);
-        let jump = format!("{jump_m:.3}@{jump_scan}");
+        let jumps = jumps(log, &placed);
+        let jump = told(jumps.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0)));
+        let off = told(jumps.iter().copied().find(|j| j.0 > 0.3));
         Self(format!(
-            "{:5} {:4} {:.3} {:.3} {:7.1} {:7.1} {mean_m:5.3} {max_m:6.3} {turn_deg:5.2} {jump:13} {loops:3}/{wrong:<2} {ms:5.1}",
+            "{:5} {:4} {:.3} {:.3} {:7.1} {:7.1} {mean_m:5.3} {max_m:6.3} {turn_deg:5.2} {jump:13} {off:13} {loops:3}/{wrong:<2} {ms:5.1} {first_wrong}",
             log.scans.len(),
             log.scans.len() - placed.len(),
             score.within_5cm.f_score(),
@@ -144,10 +153,14 @@ fn motion_error_m(log: &SimLog, (a, map_from_a): (usize, Pose), (b, map_from_b):
     motion.distance(true_motion) + wrap_rad(motion.theta_rad - true_motion.theta_rad).abs()
 }
 
-/// The largest error of a motion from one placed scan to the next, and the scan it was made at.
-fn worst_jump(log: &SimLog, placed: &[(usize, Pose)]) -> (f64, usize) {
-    let jumps = placed
+/// The error of every motion from one placed scan to the next, and the scan it was made at.
+fn jumps(log: &SimLog, placed: &[(usize, Pose)]) -> Vec<(f64, usize)> {
+    placed
         .windows(2)
-        .map(|pair| (motion_error_m(log, pair[0], pair[1]), pair[1].0));
-    jumps.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0))
+        .map(|pair| (motion_error_m(log, pair[0], pair[1]), pair[1].0))
+        .collect()
+}
+
+fn told(jump: Option<(f64, usize)>) -> String {
+    jump.map_or("-".to_owned(), |(off_m, scan)| format!("{off_m:.3}@{scan}"))
 }
