@@ -40,7 +40,7 @@ fn main() {
         let Ok(g) = geometry else { continue };
         let ranges: Vec<f64> = (first.0..first.0 + first.1).map(f).collect();
         let Ok(scan) = Scan::new(g, ranges) else { continue };
-        let step = mapper.add_scan(&scan);
+        let step = mapper.add_scan(&scan, None);
         if let Some(a) = step.alignment {
             let g = step.agreement.unwrap_or_default();
             notes += &format!(
@@ -100,6 +100,7 @@ fn main() {
         .expect("map");
     std::fs::write(format!("{out}/trajectory.csv"), csv).expect("csv");
     std::fs::write(format!("{out}/notes.txt"), notes).expect("notes");
+    println!("{} boxes", map.eraser_boxes.len());
     println!("final {:.3} s", t1.elapsed().as_secs_f64());
     println!(
         "{n} scans, {lost} lost, {:.3} ms a scan, {} polylines, {} vertices",

@@ -3,24 +3,27 @@
 use crate::extract::simplify_chain;
 use crate::geometry::Point;
 use crate::keyframe::Keyframe;
-use crate::map::{Map, MapPolyline, MapVertex};
+use crate::map::{EraserBox, Map, MapPolyline, MapVertex};
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::overlap::merge_overlaps;
-use crate::merge::{MergeSettings, sight};
+use crate::merge::{MergeSettings, merge, sight};
 
-pub(crate) fn finish(map: &GrowingMap, keyframes: &[Keyframe], settings: &MergeSettings) -> Map {
-    let mut out = Map::default();
-    let mut map = map.clone();
-    let share: f64 = std::env::var("SHARE")
-        .ok()
-        .and_then(|s| s.parse().ok())
-        .unwrap_or(0.3);
+/// The map of all keyframes, outside the boxes.
+pub(crate) fn finish(keyframes: &[Keyframe], eraser_boxes: Vec<EraserBox>, settings: &MergeSettings) -> Map {
+    let mut map = GrowingMap::default();
+    for (number, keyframe) in (0..).zip(keyframes) {
+        merge(&mut map, keyframe, &eraser_boxes, number, settings);
+    }
     map.forget_looks();
     for (k, keyframe) in (0..).zip(keyframes) {
         sight::look(&mut map, &keyframe.scan, keyframe.map_from_scan, k, settings);
     }
-    sight::clear_all(&mut map, share);
+    sight::clear_all(&mut map, settings);
     merge_overlaps(&mut map, settings);
+    let mut out = Map {
+        polylines: Vec::new(),
+        eraser_boxes,
+    };
     for (_, polyline) in map.polylines() {
         let points: Vec<Point> = polyline.vertices.iter().map(|v| v.point).collect();
         let weights = vec![1.0 / (0.01 * 0.01); points.len()];

@@ -2,7 +2,7 @@
 
 use crate::align::SidePoint;
 use crate::extract::ScanPolyline;
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
 use crate::graph::Edge;
 use crate::scan::Scan;
 
@@ -13,8 +13,23 @@ pub(crate) struct Keyframe {
     pub number: usize,
     pub scan: Scan,
     pub polylines: Vec<ScanPolyline>,
+    /// Which of the polylines belong to moving objects, and are not merged.
+    pub is_moving: Vec<bool>,
     pub points: Vec<SidePoint>,
+    /// Returns in a row that come from no stable shape, laser frame.
+    pub disordered_runs: Vec<Vec<Point>>,
     pub map_from_scan: Pose,
+}
+
+impl Keyframe {
+    /// The polylines that are merged.
+    pub fn standing_polylines(&self) -> impl Iterator<Item = &ScanPolyline> {
+        self.polylines
+            .iter()
+            .zip(&self.is_moving)
+            .filter(|(_, moving)| !**moving)
+            .map(|(p, _)| p)
+    }
 }
 
 /// Which keyframes are well tied to keyframe `from`, and how long the way along the edges is, metres: the length of

@@ -5,6 +5,8 @@
 //! files, clock, printing or ROS.
 
 pub mod align;
+mod atlas;
+pub mod eraser;
 pub mod extract;
 mod finish;
 pub mod geometry;
@@ -15,9 +17,11 @@ pub mod map;
 pub mod mapper;
 pub mod matching;
 pub mod merge;
+pub mod moving;
 pub mod placement;
 pub mod recognise;
 pub mod scan;
 mod search;
 pub mod shape;
 mod side_points;
+mod virtual_scan;

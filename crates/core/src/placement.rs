@@ -6,9 +6,13 @@
 //! if none agrees, all poses in a window around ([`crate::search`]).
 
 use crate::align::{AlignSettings, Alignment, Guess, Prior, SidePoint, align_to_grid};
-use crate::geometry::{Point, Pose, SideGrid, wrap_rad};
+use crate::extract::ScanPolyline;
+use crate::geometry::{Point, Polyline, Pose, SideGrid, wrap_rad};
 use crate::judge::{Agreement, judge};
+use crate::matching::{Matching, PoseGaussian, match_polylines, unmoved};
+use crate::merge::growing_map::GrowingMap;
 use crate::search::{Field, Window, search};
+use crate::virtual_scan::virtual_scan;
 
 /// The scanner's last pose and how it moved to it.
 #[derive(Clone, Copy, Debug)]
@@ -16,16 +20,22 @@ pub(crate) struct Motion {
     pub map_from_scan: Pose,
     /// From the last scan but one to the last, in the frame of the former.
     pub step: Pose,
+    /// By odometry, from the last placed scan to now, in the frame of the former.
+    pub driven: Option<Pose>,
     /// Scans since, that could not be placed.
     pub lost_scans: u32,
 }
 
 impl Motion {
-    /// Where the scanner is when it keeps on moving as before.
+    /// Where the scanner is when it keeps on moving as before, or as odometry says: wheels slip by a tenth of the way.
     fn predicted(&self) -> Guess {
-        Guess {
-            map_from_scan: self.map_from_scan * self.step,
-            ..self.standing()
+        match self.driven {
+            Some(driven) => Guess {
+                map_from_scan: self.map_from_scan * driven,
+                sigma_m: 0.02 + 0.1 * driven.translation().norm(),
+                sigma_rad: 0.02 + 0.1 * driven.theta_rad.abs(),
+            },
+            None => Guess { map_from_scan: self.map_from_scan * self.step, ..self.standing() },
         }
     }
 
@@ -61,6 +71,8 @@ pub struct PlaceSettings {
     pub least_fit: f64,
     /// A pose from which the map says nothing about so many beams is not believed.
     pub least_known: f64,
+    /// A pose that leads the next best, different one by so much needs no further search.
+    pub clear_lead: f64,
     /// Half the width of the search window, metres; it grows while scans cannot be placed.
     pub window_m: f64,
     /// Half the range of headings searched, radians.
@@ -76,6 +88,7 @@ impl Default for PlaceSettings {
             good_fit: 0.8,
             least_fit: 0.6,
             least_known: 0.3,
+            clear_lead: 0.15,
             window_m: 2.5,
             window_rad: 1.75,
             candidates: 8,
@@ -83,17 +96,39 @@ impl Default for PlaceSettings {
     }
 }
 
-/// Finds the scan's pose among the sides of `map`; `None` when no pose is believed.
-pub(crate) fn place(
-    points: &[SidePoint],
-    map: &SideGrid,
-    motion: &Motion,
-    align: &AlignSettings,
-    settings: &PlaceSettings,
-) -> Option<Placement> {
+/// What is to be placed, and where.
+#[derive(Clone, Copy)]
+pub(crate) struct Question<'a> {
+    /// The scan's returns on their sides, laser frame.
+    pub points: &'a [SidePoint],
+    /// The scan's polylines, laser frame.
+    pub polylines: &'a [ScanPolyline],
+    /// The map around.
+    pub map: &'a GrowingMap,
+    /// The polylines of the map that the last scan was merged into.
+    pub merged_into: &'a [u32],
+    /// The motion so far.
+    pub motion: &'a Motion,
+}
+
+/// The answer, and the shape matching if one was needed.
+#[derive(Default)]
+pub(crate) struct Answer {
+    /// `None` when no pose is believed.
+    pub placement: Option<Placement>,
+    pub matching: Option<Matching>,
+    /// What it was matched with, frame of the last placed scan.
+    pub virtual_scan: Option<Vec<Polyline>>,
+}
+
+/// Finds the scan's pose.
+pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceSettings) -> Answer {
+    let Question {
+        points, map, motion, ..
+    } = question;
     let stage = Stage {
         points,
-        map,
+        map: &map.skeleton,
         motion,
         align,
         settings,
@@ -102,7 +137,7 @@ pub(crate) fn place(
     if let Some(p) = predicted
         && stage.is_unsurprising(&p)
     {
-        return Some(p);
+        return Answer { placement: Some(p), ..Answer::default() };
     }
     let standing = stage.try_guess(&motion.standing(), false);
     let wide = Guess {
@@ -111,20 +146,59 @@ pub(crate) fn place(
         ..motion.predicted()
     };
     let wide = stage.try_guess(&wide, false);
-    let best = [predicted, standing, wide]
-        .into_iter()
-        .flatten()
-        .max_by(|a, b| a.merit.total_cmp(&b.merit));
+    let near: Vec<Placement> = [predicted, standing, wide].into_iter().flatten().collect();
+    let best = near.iter().copied().max_by(|a, b| a.merit.total_cmp(&b.merit));
     if let Some(p) = best
-        && p.agreement.fit() >= settings.good_fit
-        && p.agreement.known_share() >= 0.5
+        && stage.is_good(&p)
         && motion.lost_scans == 0
     {
-        return Some(p);
+        return Answer { placement: Some(p), ..Answer::default() };
     }
-    stage.search(best).filter(|p| {
+    let reference = virtual_scan(map, motion.map_from_scan, question.merged_into);
+    let (matching, by_shape) = match_by_shape(question.polylines, &reference, &stage);
+    let mut all = near;
+    all.extend(by_shape);
+    let mut placement = stage.best_of(&mut all);
+    if !placement.is_some_and(|p| stage.is_good(&p) && p.lead.is_none_or(|lead| lead > settings.clear_lead)) {
+        all.extend(stage.search());
+        placement = stage.best_of(&mut all);
+    }
+    let is_believed = |p: &Placement| {
         p.agreement.fit() >= settings.least_fit && p.agreement.known_share() >= settings.least_known
-    })
+    };
+    Answer {
+        placement: placement.filter(is_believed),
+        matching: Some(matching),
+        virtual_scan: Some(reference),
+    }
+}
+
+/// The paper's way (section 3.3): the scan's polylines are matched by shape with the virtual scan, and every alignment
+/// that the correspondences induce is a candidate.
+fn match_by_shape(
+    polylines: &[ScanPolyline],
+    reference: &[Polyline],
+    stage: &Stage,
+) -> (Matching, Vec<Placement>) {
+    let map_from_last = stage.motion.map_from_scan;
+    let scan: Vec<Polyline> = polylines.iter().map(|p| p.polyline.clone()).collect();
+    let matching = match_polylines(&scan, reference, &stage.estimate());
+    let placements = matching
+        .hypotheses
+        .iter()
+        .filter_map(|h| {
+            let map_from_scan = map_from_last * h.reference_from_scan;
+            stage.try_guess(
+                &Guess {
+                    map_from_scan,
+                    sigma_m: 0.1,
+                    sigma_rad: 0.03,
+                },
+                false,
+            )
+        })
+        .collect();
+    (matching, placements)
 }
 
 struct Stage<'a> {
@@ -183,7 +257,37 @@ impl Stage<'_> {
             && off_rad <= 2.0 * predicted.sigma_rad
     }
 
-    fn search(&self, best: Option<Placement>) -> Option<Placement> {
+    fn is_good(&self, p: &Placement) -> bool {
+        p.agreement.fit() >= self.settings.good_fit && p.agreement.known_share() >= 0.5
+    }
+
+    /// The motion so far, as an estimate for matching in the frame of the last pose; wide, because matching is asked
+    /// when the prediction has failed.
+    fn estimate(&self) -> PoseGaussian {
+        let wider = 1.0 + 0.5 * f64::from(self.motion.lost_scans.min(10));
+        PoseGaussian {
+            mean: self.motion.driven.unwrap_or(self.motion.step),
+            information: unmoved().information.scaled(1.0 / (wider * wider)),
+        }
+    }
+
+    /// Sorts the candidates, best first, and says how far the best leads.
+    fn best_of(&self, all: &mut [Placement]) -> Option<Placement> {
+        all.sort_by(|a, b| b.merit.total_cmp(&a.merit));
+        let winner = all.first().copied()?;
+        let pose = winner.alignment.map_from_scan;
+        let second = all.iter().find(|p| {
+            let other = p.alignment.map_from_scan;
+            other.distance(pose) > 0.5 || wrap_rad(other.theta_rad - pose.theta_rad).abs() > 0.17
+        });
+        Some(Placement {
+            lead: second.map(|s| winner.merit - s.merit),
+            ..winner
+        })
+    }
+
+    /// Candidates from the search of all poses in a window.
+    fn search(&self) -> Vec<Placement> {
         let predicted = self.motion.predicted().map_from_scan;
         let lost = f64::from(self.motion.lost_scans);
         let window = Window {
@@ -194,32 +298,21 @@ impl Stage<'_> {
             min_score: 0.25,
         };
         let reach_m = self.points.iter().map(|p| p.point.norm()).fold(0.0, f64::max) + window.half_m + 1.0;
-        let field = Field::new(
-            self.map.sides().map(|s| s.segment),
-            predicted.translation(),
-            reach_m,
-        )?;
-        let found = search(&field, &thinned(self.points), &window);
-        let mut all: Vec<Placement> = best.into_iter().collect();
-        all.extend(found.iter().filter_map(|c| {
-            let guess = Guess {
-                map_from_scan: c.map_from_scan,
-                sigma_m: 0.07,
-                sigma_rad: 0.02,
-            };
-            self.try_guess(&guess, false)
-        }));
-        all.sort_by(|a, b| b.merit.total_cmp(&a.merit));
-        let winner = all.first().copied()?;
-        let pose = winner.alignment.map_from_scan;
-        let second = all.iter().find(|p| {
-            let other = p.alignment.map_from_scan;
-            other.distance(pose) > 0.5 || wrap_rad(other.theta_rad - pose.theta_rad).abs() > 0.17
-        });
-        Some(Placement {
-            lead: Some(second.map_or(1.0, |s| winner.merit - s.merit)),
-            ..winner
-        })
+        let sides = self.map.sides().map(|s| s.segment);
+        let Some(field) = Field::new(sides, predicted.translation(), reach_m) else {
+            return Vec::new();
+        };
+        search(&field, &thinned(self.points), &window)
+            .iter()
+            .filter_map(|c| {
+                let guess = Guess {
+                    map_from_scan: c.map_from_scan,
+                    sigma_m: 0.07,
+                    sigma_rad: 0.02,
+                };
+                self.try_guess(&guess, false)
+            })
+            .collect()
     }
 }
 

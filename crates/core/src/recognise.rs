@@ -17,33 +17,36 @@ use crate::search::{Field, Window, search};
 pub struct RecogniseSettings {
     /// Way back from the newest keyframe whose scans are compared, and on either side of the old keyframe, metres.
     pub stretch_m: f64,
-    /// How far off the estimate may be, as a share of the way since.
+    /// Standard deviation of the drift, as a share of the way since (measured on full-rate logs: 0.5 to 1 %).
     pub drift_share: f64,
-    /// The same at the least and at the most, metres.
-    pub least_window_m: f64,
-    /// See `least_window_m`.
+    /// Half the width of the search window at the most, metres; three standard deviations otherwise.
     pub most_window_m: f64,
     /// Share of the beams that must agree, of those that the old place says something of.
     pub least_fit: f64,
     /// Share of the beams that the old place must say something of.
     pub least_known: f64,
-    /// By how much the score of the second best pose must be worse, or
+    /// By how much the score of the second best pose must be worse, and
     pub least_lead: f64,
-    /// how many times as many beams must disagree with it.
+    /// how many times as many beams must disagree with it;
     pub least_outdoing: f64,
+    /// or how many times whatever the score.
+    pub clear_outdoing: f64,
+    /// A closure that moves the newest keyframe farther than this, metres, waits for a second one that agrees.
+    pub confirm_beyond_m: f64,
 }
 
 impl Default for RecogniseSettings {
     fn default() -> Self {
         Self {
             stretch_m: 3.0,
-            drift_share: 0.04,
-            least_window_m: 1.0,
+            drift_share: 0.012,
             most_window_m: 6.0,
-            least_fit: 0.75,
+            least_fit: 0.85,
             least_known: 0.5,
             least_lead: 0.10,
-            least_outdoing: 2.5,
+            least_outdoing: 1.5,
+            clear_outdoing: 2.5,
+            confirm_beyond_m: 1.0,
         }
     }
 }
@@ -63,19 +66,16 @@ pub(crate) fn recognise(
     let newest = keyframes.len().checked_sub(1)?;
     let here = keyframes[newest].map_from_scan;
     let travelled = |k: usize| ways_m[k].unwrap_or(f64::INFINITY);
-    let window_m = |k: usize| {
-        let drift_m = settings.drift_share * travelled(k).min(1e3);
-        drift_m.clamp(settings.least_window_m, settings.most_window_m)
-    };
+    let drift = |k: usize| Drift::after(travelled(k), settings);
     let seen_here = seen_around(&keyframes[newest]);
     let (old, _) = (0..newest)
         .filter(|&k| travelled(k) > local_m)
         .map(|k| (k, seen_around(&keyframes[k]).distance(seen_here)))
-        .filter(|&(k, off_m)| off_m < window_m(k) + SAME_VIEW_M)
+        .filter(|&(k, off_m)| off_m < drift(k).window_m + SAME_VIEW_M)
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
     let place = Place::around(keyframes, old, settings.stretch_m);
     let recent = stretch(keyframes, newest, settings.stretch_m, |k| k <= newest);
-    let matched = place.locate(keyframes, &recent, newest, window_m(old), align, settings)?;
+    let matched = place.locate(keyframes, &recent, newest, drift(old), align, settings)?;
     let old_pose = keyframes[old].map_from_scan;
     Some(Edge {
         from: old,
@@ -85,6 +85,36 @@ pub(crate) fn recognise(
         is_loop: true,
     })
 }
+
+/// How far off the estimate of the newest keyframe may be, seen from an old one.
+#[derive(Clone, Copy)]
+struct Drift {
+    sigma_m: f64,
+    sigma_rad: f64,
+    window_m: f64,
+}
+
+impl Drift {
+    fn after(way_m: f64, settings: &RecogniseSettings) -> Self {
+        let sigma_m = 0.15 + settings.drift_share * way_m.min(1e4);
+        // A turn by one degree in 50 m.
+        let sigma_rad = 0.02 + 0.000_35 * way_m.min(1e4);
+        Self { sigma_m, sigma_rad, window_m: (3.0 * sigma_m).min(settings.most_window_m) }
+    }
+
+    /// Squared distance in standard deviations between two poses.
+    fn squares(&self, a: Pose, b: Pose) -> f64 {
+        let shift = a.distance(b) / self.sigma_m;
+        let turn = wrap_rad(a.theta_rad - b.theta_rad) / self.sigma_rad;
+        shift * shift + turn * turn
+    }
+}
+
+/// A pose farther off than this, in squared standard deviations, is another place that looks alike (χ² with three
+/// degrees of freedom: 99.9 %).
+const MOST_SQUARES: f64 = 16.3;
+/// What a pose one standard deviation of drift away loses of its score.
+const LOSS_PER_SQUARE: f64 = 0.02;
 
 /// Scans whose middles are farther apart than this, besides the drift, show different things.
 const SAME_VIEW_M: f64 = 3.0;
@@ -170,7 +200,7 @@ impl Place {
         keyframes: &[Keyframe],
         recent: &[usize],
         newest: usize,
-        window_m: f64,
+        drift: Drift,
         align: &AlignSettings,
         settings: &RecogniseSettings,
     ) -> Option<Matched> {
@@ -180,12 +210,12 @@ impl Place {
             .iter()
             .flat_map(|v| v.points_in(v.newest_from_scan))
             .collect();
-        let reach_m = points.iter().map(|p| p.point.norm()).fold(0.0, f64::max) + window_m;
+        let reach_m = points.iter().map(|p| p.point.norm()).fold(0.0, f64::max) + drift.window_m;
         let field = Field::new(self.sides.sides().map(|s| s.segment), here.translation(), reach_m)?;
         let window = Window {
             centre: here,
-            half_m: window_m,
-            half_rad: 0.5,
+            half_m: drift.window_m,
+            half_rad: (3.0 * drift.sigma_rad).min(0.6),
             wanted: 4,
             min_score: 0.3,
         };
@@ -200,7 +230,8 @@ impl Place {
                     };
                     let alignment = align_to_grid(&points, &self.sides, |_, _| true, &guess, None, align)?;
                     let agreement = self.agreement(&views, alignment.map_from_scan);
-                    Some((agreement.score(), agreement, alignment))
+                    let loss = LOSS_PER_SQUARE * drift.squares(alignment.map_from_scan, here);
+                Some((agreement.score() - loss, agreement, alignment))
                 })
                 .collect();
         fits.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -213,8 +244,10 @@ impl Place {
         let lead = second.map_or(1.0, |s| score - s.0);
         let misfit = |a: &Agreement| 1.0 - a.fit() + 0.02;
         let outdoes = second.map_or(f64::INFINITY, |s| misfit(&s.1) / misfit(&agreement));
-        let is_alone = lead >= settings.least_lead || outdoes >= settings.least_outdoing;
+        let is_alone = (lead >= settings.least_lead && outdoes >= settings.least_outdoing)
+            || outdoes >= settings.clear_outdoing;
         let believed = alignment.unobservable.is_none()
+            && drift.squares(pose, here) < MOST_SQUARES
             && agreement.fit() >= settings.least_fit
             && agreement.known_share() >= settings.least_known
             && is_alone;

@@ -16,4 +16,4 @@ pub use point::Point;
 pub use polyline::{Polyline, PolylineError};
 pub use pose::Pose;
 pub use segment::Segment;
-pub(crate) use side_grid::{Crossing, Near, SideGrid};
+pub(crate) use side_grid::{Crossing, Near, Side, SideGrid};

@@ -89,6 +89,24 @@ impl SideGrid {
         self.of_owner.iter().flatten().map(|&id| &self.sides[id as usize])
     }
 
+    /// The sides of one polyline, in order.
+    pub fn sides_of(&self, owner: u32) -> impl Iterator<Item = &Side> + '_ {
+        self.of_owner
+            .get(owner as usize)
+            .into_iter()
+            .flatten()
+            .map(|&id| &self.sides[id as usize])
+    }
+
+    /// First and last side of a polyline.
+    pub fn ends(&self, owner: u32) -> Option<(&Side, &Side)> {
+        let ids = self.of_owner.get(owner as usize)?;
+        Some((
+            &self.sides[*ids.first()? as usize],
+            &self.sides[*ids.last()? as usize],
+        ))
+    }
+
     /// Takes the sides of a polyline in; sides of no length are left out.
     pub fn insert(&mut self, owner: u32, vertices: impl IntoIterator<Item = Point>) {
         self.remove(owner);
@@ -239,21 +257,6 @@ impl SideGrid {
             false
         });
         first
-    }
-
-    /// Owners with a side whose cell touches the box; ascending, each once.
-    pub fn owners_in_box(&self, min: Point, max: Point) -> Vec<u32> {
-        let mut owners = Vec::new();
-        for cx in cell_of(min.x)..=cell_of(max.x) {
-            for cy in cell_of(min.y)..=cell_of(max.y) {
-                if let Some(list) = self.cells.get(&key(cx, cy)) {
-                    owners.extend(list.iter().map(|&id| self.sides[id as usize].owner));
-                }
-            }
-        }
-        owners.sort_unstable();
-        owners.dedup();
-        owners
     }
 }
 

@@ -20,7 +20,10 @@ pub(crate) struct Evidence {
     pub hits: u32,
     /// Scans that looked through it, and the last one that did.
     pub seen_through: u32,
-    pub last_seen_through: u32,
+    last_seen_through: u32,
+    /// Scans with a beam that should have met it and gave no return, and the last one.
+    pub missed: u32,
+    last_missed: u32,
 }
 
 impl Evidence {
@@ -30,6 +33,8 @@ impl Evidence {
             hits,
             seen_through: 0,
             last_seen_through: u32::MAX,
+            missed: 0,
+            last_missed: u32::MAX,
         }
     }
 }
@@ -86,6 +91,16 @@ pub(crate) struct GrowingPolyline {
     pub vertices: Vec<Vertex>,
 }
 
+impl GrowingPolyline {
+    /// Distance between its ends, metres.
+    pub fn span_m(&self) -> f64 {
+        match (self.vertices.first(), self.vertices.last()) {
+            (Some(a), Some(b)) => a.point.distance(b.point),
+            _ => 0.0,
+        }
+    }
+}
+
 /// All polylines of the growing map, with their grids. A polyline is named by its slot, the `owner` in the grids.
 #[derive(Clone, Default)]
 pub(crate) struct GrowingMap {
@@ -108,10 +123,6 @@ impl GrowingMap {
         (0_u32..)
             .zip(&self.slots)
             .filter_map(|(slot, p)| Some((slot, p.as_deref()?)))
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.slots.iter().all(Option::is_none)
     }
 
     /// Adds a polyline with a new id; one of fewer than two vertices is not added.
@@ -154,14 +165,33 @@ impl GrowingMap {
 
     /// Counts a look through side `side` of a polyline, once a scan.
     pub fn look_through(&mut self, slot: u32, side: u32, scan: u32) {
+        self.count(slot, side, scan, |e| {
+            (&mut e.last_seen_through, &mut e.seen_through)
+        });
+    }
+
+    /// Counts a scan that should have seen side `side` of a polyline and had no return, once a scan.
+    pub fn miss(&mut self, slot: u32, side: u32, scan: u32) {
+        self.count(slot, side, scan, |e| (&mut e.last_missed, &mut e.missed));
+    }
+
+    fn count(
+        &mut self,
+        slot: u32,
+        side: u32,
+        scan: u32,
+        which: impl Fn(&mut Evidence) -> (&mut u32, &mut u32),
+    ) {
         let Some(polyline) = self.slots.get_mut(slot as usize).and_then(Option::as_mut) else {
             return;
         };
-        let start = side as usize;
-        if polyline.vertices[start].onward.last_seen_through != scan {
-            let evidence = &mut Arc::make_mut(polyline).vertices[start].onward;
-            evidence.last_seen_through = scan;
-            evidence.seen_through += 1;
+        let Some(vertex) = Arc::make_mut(polyline).vertices.get_mut(side as usize) else {
+            return;
+        };
+        let (last, count) = which(&mut vertex.onward);
+        if *last != scan {
+            *last = scan;
+            *count += 1;
         }
     }
 

@@ -17,6 +17,7 @@ use growing_map::GrowingMap;
 use simulate::ScanPoint;
 
 use crate::keyframe::Keyframe;
+use crate::map::EraserBox;
 
 /// How scans are merged.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +37,8 @@ pub struct MergeSettings {
     pub sight_min_sine: f64,
     /// Looks through a vertex before it may be taken out.
     pub sight_min_looks: u32,
+    /// Share of looks through, among all scans that saw or looked through a side, from which the side is not there.
+    pub sight_share: f64,
     /// How far the skeleton may stray from the vertices before it gets another side, metres (one standard deviation).
     pub skeleton_sigma_m: f64,
 }
@@ -50,14 +53,17 @@ impl Default for MergeSettings {
             sight_margin_m: 0.3,
             sight_min_sine: 0.2,
             sight_min_looks: 3,
+            sight_share: 0.3,
             skeleton_sigma_m: 0.01,
         }
     }
 }
 
 /// What a merge did.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct MergeReport {
+    /// Polylines of the map that scan points fell on, by slot; ascending.
+    pub(crate) into: Vec<u32>,
     /// Scan points that fell on a polyline of the map.
     pub known_points: usize,
     /// Scan points that were new.
@@ -66,25 +72,25 @@ pub struct MergeReport {
     pub seen_through: usize,
 }
 
-/// Merges the polylines of a keyframe; `number` counts the keyframes.
+/// Merges the polylines of a keyframe, but for what lies in `erased` boxes; `number` counts the merges.
 pub(crate) fn merge(
     map: &mut GrowingMap,
     keyframe: &Keyframe,
+    erased: &[EraserBox],
     number: u32,
     settings: &MergeSettings,
 ) -> MergeReport {
-    let Keyframe {
-        scan,
-        polylines,
-        map_from_scan,
-        ..
-    } = keyframe;
+    let (scan, map_from_scan) = (&keyframe.scan, keyframe.map_from_scan);
     let mut report = MergeReport::default();
-    for polyline in polylines {
-        let points = simulate::scan_points(polyline, scan.geometry(), *map_from_scan, settings.spacing_m);
-        thread(map, &points, settings, &mut report);
+    for polyline in keyframe.standing_polylines() {
+        let points = simulate::scan_points(polyline, scan.geometry(), map_from_scan, settings.spacing_m);
+        for stretch in points.split(|p| erased.iter().any(|b| b.contains(p.vertex.point))) {
+            thread(map, stretch, settings, &mut report);
+        }
     }
-    report.seen_through = sight::clear_sight(map, scan, *map_from_scan, number, settings);
+    report.into.sort_unstable();
+    report.into.dedup();
+    report.seen_through = sight::clear_sight(map, scan, map_from_scan, number, settings);
     map.refresh_skeletons(settings.skeleton_sigma_m);
     report
 }
@@ -106,6 +112,7 @@ fn thread(
                 &mut report.new_points
             };
             *count += run.points.len();
+            report.into.extend(run.slot);
         }
         points = &points[runs.get(done).map_or(points.len(), |r| r.first)..];
     }

@@ -8,26 +8,39 @@ use super::simulate::ScanPoint;
 use super::{MergeReport, MergeSettings, thread};
 use crate::geometry::Point;
 
-/// Merges every polyline of the map into the others, those that rest on least first.
+/// Passes at most. Merging a polyline into two others that overlap leaves branches, which the next pass takes up; after
+/// three passes there are none on the logs seen.
+const MOST_PASSES: usize = 6;
+
+/// Merges every polyline of the map into the others, those that rest on least first, until none lies on another.
 pub(crate) fn merge_overlaps(map: &mut GrowingMap, settings: &MergeSettings) {
-    let support = |p: &GrowingPolyline| p.vertices.iter().map(|v| u64::from(v.hits)).sum::<u64>();
-    let mut order: Vec<(u64, u32)> = map.polylines().map(|(slot, p)| (support(p), slot)).collect();
-    order.sort_unstable();
-    for (_, slot) in order {
-        let Some(polyline) = map.polyline(slot) else {
-            continue;
-        };
-        let points = points_of(polyline);
-        let others = |owner: u32| owner != slot;
-        let overlaps = points
-            .iter()
-            .any(|p| super::link::closest(map, p, settings.gate_m, others).is_some());
-        if overlaps {
-            map.remove(slot);
-            thread(map, &points, settings, &mut MergeReport::default());
+    for _ in 0..MOST_PASSES {
+        if merge_each(map, settings) == 0 {
+            break;
         }
     }
     map.refresh_skeletons(settings.skeleton_sigma_m);
+}
+
+/// Returns how many polylines lay on others.
+fn merge_each(map: &mut GrowingMap, settings: &MergeSettings) -> usize {
+    let support = |p: &GrowingPolyline| p.vertices.iter().map(|v| u64::from(v.hits)).sum::<u64>();
+    let mut order: Vec<(u64, u32)> = map.polylines().map(|(slot, p)| (support(p), slot)).collect();
+    order.sort_unstable();
+    let mut merged = 0;
+    for (_, slot) in order {
+        let Some(polyline) = map.polyline(slot) else { continue };
+        let points = points_of(polyline);
+        let others = |owner: u32| owner != slot;
+        let overlapping = points.iter().filter(|p| super::link::closest(map, p, settings.gate_m, others).is_some());
+        // One point is where two walls meet.
+        if overlapping.take(2).count() == 2 {
+            map.remove(slot);
+            thread(map, &points, settings, &mut MergeReport::default());
+            merged += 1;
+        }
+    }
+    merged
 }
 
 fn points_of(polyline: &GrowingPolyline) -> Vec<ScanPoint> {

@@ -6,11 +6,15 @@
 
 use super::MergeSettings;
 use super::growing_map::{Evidence, GrowingMap};
-use crate::geometry::{Crossing, Point, Pose};
+use crate::geometry::{Crossing, Point, Pose, Side};
 use crate::scan::Scan;
 
-/// Counts every side that a beam of the scan went through well before it returned, once a scan; returns the
-/// polylines they belong to.
+/// Sides that more scans than this have seen are not taken out for giving no return: black and shining walls often
+/// give none.
+const FEW_HITS: u32 = 3;
+
+/// Counts, once a scan, every side that a beam of the scan went through well before it returned, and every side that
+/// a beam without a return should have met; returns the polylines that were looked through.
 pub(crate) fn look(
     map: &mut GrowingMap,
     scan: &Scan,
@@ -18,8 +22,30 @@ pub(crate) fn look(
     number: u32,
     settings: &MergeSettings,
 ) -> Vec<u32> {
+    let mut through = sides_looked_through(map, scan, map_from_scan, settings);
+    let mut missed = sides_missed(map, scan, map_from_scan, settings);
+    for list in [&mut through, &mut missed] {
+        list.sort_unstable();
+        list.dedup();
+    }
+    for &(slot, side) in &missed {
+        map.miss(slot, side, number);
+    }
+    for &(slot, side) in &through {
+        map.look_through(slot, side, number);
+    }
+    through.dedup_by_key(|t| t.0);
+    through.into_iter().map(|(slot, _)| slot).collect()
+}
+
+fn sides_looked_through(
+    map: &GrowingMap,
+    scan: &Scan,
+    map_from_scan: Pose,
+    settings: &MergeSettings,
+) -> Vec<(u32, u32)> {
     let origin = map_from_scan.translation();
-    let mut through: Vec<(u32, u32)> = Vec::new();
+    let mut through = Vec::new();
     for (_, point) in scan.points() {
         let place = map_from_scan * point;
         let Some(direction) = (place - origin).unit() else {
@@ -34,13 +60,54 @@ pub(crate) fn look(
             true
         });
     }
-    through.sort_unstable();
-    through.dedup();
-    for &(slot, side) in &through {
-        map.look_through(slot, side, number);
+    through
+}
+
+/// The sides on the beams that gave no return, as far as the first well-founded one and nearer than the
+/// farthest return of the scan: something there would have been seen, unless it is black or glass.
+fn sides_missed(
+    map: &GrowingMap,
+    scan: &Scan,
+    map_from_scan: Pose,
+    settings: &MergeSettings,
+) -> Vec<(u32, u32)> {
+    let origin = map_from_scan.translation();
+    let farthest_m = scan
+        .ranges_m()
+        .iter()
+        .copied()
+        .filter(|r| r.is_finite())
+        .fold(0.0, f64::max);
+    let is_founded = |crossing: &Crossing| {
+        let side = map.dense.side(crossing.side);
+        let vertex = map
+            .polyline(side.owner)
+            .and_then(|p| p.vertices.get(side.index as usize));
+        vertex.is_some_and(|v| v.onward.hits > FEW_HITS)
+    };
+    let mut missed = Vec::new();
+    let mut met: Vec<Crossing> = Vec::new();
+    for (beam, _) in scan.ranges_m().iter().enumerate().filter(|(_, r)| !r.is_finite()) {
+        let direction = Point::from_polar(1.0, scan.geometry().bearing_rad(beam) + map_from_scan.theta_rad);
+        met.clear();
+        map.dense
+            .along_ray(origin, direction, 0.95 * farthest_m, |crossing| {
+                met.push(crossing);
+                !is_founded(&crossing)
+            });
+        let wall_m = met
+            .iter()
+            .filter(|c| is_founded(c))
+            .map(|c| c.range_m)
+            .fold(f64::INFINITY, f64::min);
+        for crossing in met.iter().filter(|c| c.range_m < wall_m) {
+            let side = map.dense.side(crossing.side);
+            if is_faced(map, side, direction, settings) {
+                missed.push((side.owner, side.index));
+            }
+        }
     }
-    through.dedup_by_key(|t| t.0);
-    through.into_iter().map(|(slot, _)| slot).collect()
+    missed
 }
 
 /// Counts what the scan looked through, and takes out what has been looked through more often than seen. Returns the
@@ -59,8 +126,18 @@ pub(crate) fn clear_sight(
         .sum()
 }
 
-/// A grazing beam passes a wall at a hand's breadth and returns metres behind it: such a crossing, and one at the
-/// very end of a polyline, may be a small error of the pose.
+/// Objects shorter than this have no sides along which a beam could graze, metres.
+const SMALL_M: f64 = 0.5;
+
+/// Whether a beam meets a side at a fair angle. A grazing beam passes a wall at a hand's breadth, and a small error
+/// of the pose then decides on which side.
+fn is_faced(map: &GrowingMap, side: &Side, direction: Point, settings: &MergeSettings) -> bool {
+    let is_small = || map.polyline(side.owner).is_some_and(|p| p.span_m() < SMALL_M);
+    side.normal().dot(direction).abs() >= settings.sight_min_sine || is_small()
+}
+
+/// Whether a beam that returned from `place` shows that the side is not there: it passed it at a fair angle, came
+/// back from well off its line, and did not just slip by its end.
 fn is_looked_through(
     map: &GrowingMap,
     crossing: &Crossing,
@@ -69,37 +146,44 @@ fn is_looked_through(
     settings: &MergeSettings,
 ) -> bool {
     let side = map.dense.side(crossing.side);
-    let normal = side.normal();
-    let off_wall_m = normal.dot(place - side.segment.a).abs();
-    if normal.dot(direction).abs() < settings.sight_min_sine || off_wall_m < settings.sight_margin_m * 0.5 {
-        return false;
-    }
     let Some(polyline) = map.polyline(side.owner) else {
         return false;
     };
+    let span_m = polyline.span_m();
+    let off_wall_m = side.normal().dot(place - side.segment.a).abs();
+    let off_line = off_wall_m >= settings.sight_margin_m * 0.5 || span_m < SMALL_M;
+    if !off_line || !is_faced(map, side, direction, settings) {
+        return false;
+    }
     let at = side.segment.at(crossing.share);
     let (first, last) = (
         &polyline.vertices[0],
         &polyline.vertices[polyline.vertices.len() - 1],
     );
-    let length_m = first.point.distance(last.point);
-    let end_m = 0.05_f64.min(0.25 * length_m);
-    first.point.distance(at) > end_m && last.point.distance(at) > end_m
+    let end_m = 0.05_f64.min(0.25 * span_m);
+    first.point.distance(at) >= end_m && last.point.distance(at) >= end_m
 }
 
 fn is_gone(side: &Evidence, settings: &MergeSettings) -> bool {
     side.seen_through >= settings.sight_min_looks && side.seen_through > side.hits
 }
 
-/// Takes out, everywhere, the sides that more than `share` of the scans that could tell looked through.
-pub(crate) fn clear_all(map: &mut GrowingMap, share: f64) {
+/// Takes out, everywhere, the sides that the evidence of all scans speaks against.
+pub(crate) fn clear_all(map: &mut GrowingMap, settings: &MergeSettings) {
     let slots: Vec<u32> = map.polylines().map(|(slot, _)| slot).collect();
     for slot in slots {
-        take_out(map, slot, |side| {
-            let looks = f64::from(side.seen_through);
-            side.seen_through >= 2 && looks > share * (looks + f64::from(side.hits))
-        });
+        take_out(map, slot, |side| is_false(side, settings));
     }
+}
+
+/// Looked through by a good share of the scans that could tell, or seen by hardly a scan and missed by many: somebody
+/// who walked by in front of a wall, or in front of nothing.
+fn is_false(side: &Evidence, settings: &MergeSettings) -> bool {
+    let looks = f64::from(side.seen_through);
+    let looked_through =
+        side.seen_through >= 2 && looks > settings.sight_share * (looks + f64::from(side.hits));
+    let missed = side.hits <= FEW_HITS && side.missed >= 5 * side.hits;
+    looked_through || missed
 }
 
 /// Takes the sides that are gone out of a polyline; what is left on either side becomes polylines of their own.

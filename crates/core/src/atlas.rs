@@ -1,0 +1,241 @@
+//! What has been mapped so far: keyframes, what ties them together, and the part of the map around.
+//!
+//! The map is a function of the keyframes and their poses. The part of it that the next scan is matched with (the
+//! paper's G(t−1), as far as it agrees with itself) is kept up to date scan by scan; it is made anew when poses move,
+//! when something merged is found to move, and after some way, so that it holds only keyframes between which little
+//! drift has gathered. The map of all keyframes is made when it is asked for.
+
+use crate::align::{Alignment, Information, SidePoint};
+use crate::eraser::{boxes, disordered_runs};
+use crate::finish::finish;
+use crate::geometry::{Pose, wrap_rad};
+use crate::graph::{Edge, optimise};
+use crate::keyframe::{Keyframe, ways_m};
+use crate::map::{EraserBox, Map};
+use crate::mapper::{Settings, Step};
+use crate::merge::growing_map::GrowingMap;
+use crate::merge::{MergeSettings, merge};
+use crate::moving::find_moving;
+use crate::recognise::{RecogniseSettings, recognise};
+use crate::scan::Scan;
+
+/// Keyframes within this way along the graph make up the map around, metres. Drift stays below the gate of merging.
+const LOCAL_M: f64 = 12.0;
+/// Way after which the map around is made anew, metres.
+const RENEW_AFTER_M: f64 = 6.0;
+/// Way between two looks for a known place, metres.
+const LOOK_AFTER_M: f64 = 1.0;
+
+/// Two closures within a few metres of each other agree when they differ by less than this, metres.
+const AGREE_M: f64 = 0.4;
+
+/// A scan is merged when the scanner has moved or turned so far since the last merged one (metres, radians), ...
+const KEYFRAME_M: f64 = 0.25;
+const KEYFRAME_RAD: f64 = 0.17;
+/// ... when the map says nothing about so many of its beams, ...
+const KEYFRAME_NEW_SHARE: f64 = 0.2;
+/// ... and after so many scans in any case: standing still gathers evidence, too.
+const KEYFRAME_SCANS: usize = 10;
+
+/// See the module.
+#[derive(Default)]
+pub(crate) struct Atlas {
+    keyframes: Vec<Keyframe>,
+    edges: Vec<Edge>,
+    local: GrowingMap,
+    /// Where nothing is merged, as known when the map around was last made anew.
+    boxes: Vec<EraserBox>,
+    /// Polylines of the map around that the newest keyframe was merged into.
+    merged_into: Vec<u32>,
+    /// Merges into the map around, ever.
+    merges: u32,
+    /// A closure that waits for another to agree with it.
+    waiting: Option<Edge>,
+    /// Something that was merged has moved since.
+    is_stale: bool,
+    /// Way since the map around was made anew, and since the last look for a known place, metres.
+    unrenewed_m: f64,
+    unlooked_m: f64,
+}
+
+impl Atlas {
+    /// The part of the map around.
+    pub fn local(&self) -> &GrowingMap {
+        &self.local
+    }
+
+    /// The polylines of it that the last scan was merged into, by slot.
+    pub fn merged_into(&self) -> &[u32] {
+        &self.merged_into
+    }
+
+    /// Number and pose of the newest keyframe; the map's frame when there is none.
+    pub fn newest(&self) -> (usize, Pose) {
+        let number = self.keyframes.len().saturating_sub(1);
+        (number, self.pose(number))
+    }
+
+    /// Pose of a keyframe.
+    pub fn pose(&self, keyframe: usize) -> Pose {
+        self.keyframes.get(keyframe).map_or(Pose::IDENTITY, |k| k.map_from_scan)
+    }
+
+    /// Whether a scan at `pose` shall be merged.
+    pub fn wants(&self, pose: Pose, step: &Step) -> bool {
+        let Some(keyframe) = self.keyframes.last() else { return true };
+        let last = keyframe.map_from_scan;
+        let new_share = step.agreement.map_or(1.0, |a| 1.0 - a.known_share());
+        last.distance(pose) > KEYFRAME_M
+            || wrap_rad(last.theta_rad - pose.theta_rad).abs() > KEYFRAME_RAD
+            || new_share > KEYFRAME_NEW_SHARE
+            || step.scan - keyframe.number >= KEYFRAME_SCANS
+    }
+
+    /// Takes a scan in: moving objects are found, the rest is merged.
+    pub fn add_keyframe(
+        &mut self,
+        step: &mut Step,
+        scan: &Scan,
+        points: Vec<SidePoint>,
+        pose: Pose,
+        settings: &Settings,
+    ) {
+        if let Some(last) = self.keyframes.last() {
+            let from = self.keyframes.len() - 1;
+            let edge = edge_to_next(from, last.map_from_scan, pose, step.alignment.as_ref());
+            let way_m = edge.motion.translation().norm();
+            self.unrenewed_m += way_m;
+            self.unlooked_m += way_m;
+            self.edges.push(edge);
+        }
+        self.keyframes.push(Keyframe {
+            number: step.scan,
+            scan: scan.clone(),
+            is_moving: vec![false; step.extraction.polylines.len()],
+            polylines: step.extraction.polylines.clone(),
+            points,
+            disordered_runs: disordered_runs(scan, step.extraction.noise_m, &settings.eraser),
+            map_from_scan: pose,
+        });
+        self.take_moving_out(step, settings);
+        let newest = self.keyframes.len() - 1;
+        let report = self.merge_locally(newest, &settings.merge);
+        self.merged_into.clone_from(&report.into);
+        step.merged = Some(report);
+    }
+
+    fn take_moving_out(&mut self, step: &mut Step, settings: &Settings) {
+        let newest = self.keyframes.len() - 1;
+        for (keyframe, polyline) in find_moving(&self.keyframes, &self.local, &settings.moving) {
+            self.keyframes[keyframe].is_moving[polyline] = true;
+            if keyframe == newest {
+                step.moving.push(polyline);
+            } else {
+                self.is_stale = true;
+            }
+        }
+    }
+
+    fn merge_locally(&mut self, keyframe: usize, settings: &MergeSettings) -> crate::merge::MergeReport {
+        self.merges += 1;
+        merge(&mut self.local, &self.keyframes[keyframe], &self.boxes, self.merges, settings)
+    }
+
+    /// Looks for a known place, moves the keyframes if one is found, and makes the map around anew when it is due.
+    /// Returns the motion of the map frame that the newest keyframe has made.
+    pub fn close_loops(&mut self, step: &mut Step, settings: &Settings) -> Pose {
+        let (newest, before) = self.newest();
+        let mut is_closed = false;
+        if self.unlooked_m > LOOK_AFTER_M {
+            self.unlooked_m = 0.0;
+            if let Some(edge) = self.known_place(settings) {
+                step.recognised = Some(self.keyframes[edge.from].number);
+                is_closed = self.close(edge, &settings.recognise);
+            }
+        }
+        if is_closed || self.is_stale || self.unrenewed_m > RENEW_AFTER_M {
+            self.renew_local(settings);
+        }
+        self.pose(newest) * before.inverse()
+    }
+
+    /// Takes a closure into the graph, at once if it moves things little, else when the next one agrees with it.
+    /// Returns whether poses moved.
+    fn close(&mut self, edge: Edge, settings: &RecogniseSettings) -> bool {
+        let waiting = self.waiting.take();
+        if self.jump_m(&edge) > settings.confirm_beyond_m {
+            let agrees = |w: &Edge| self.disagreement_m(w, &edge) < AGREE_M;
+            if !waiting.as_ref().is_some_and(agrees) {
+                self.waiting = Some(edge);
+                return false;
+            }
+            self.edges.extend(waiting);
+        }
+        self.edges.push(edge);
+        self.optimise();
+        true
+    }
+
+    /// How far a closure would move its newer keyframe, metres.
+    fn jump_m(&self, edge: &Edge) -> f64 {
+        (self.pose(edge.from) * edge.motion).distance(self.pose(edge.to))
+    }
+
+    /// How far apart two closures would put the newer keyframe, metres.
+    fn disagreement_m(&self, a: &Edge, b: &Edge) -> f64 {
+        let by_a = self.pose(a.from) * a.motion * self.pose(a.to).inverse() * self.pose(b.to);
+        by_a.distance(self.pose(b.from) * b.motion)
+    }
+
+    fn known_place(&self, settings: &Settings) -> Option<Edge> {
+        let newest = self.keyframes.len() - 1;
+        let ways = ways_m(self.keyframes.len(), &self.edges, newest, f64::INFINITY);
+        let edge = recognise(&self.keyframes, &ways, 2.0 * LOCAL_M, &settings.align, &settings.recognise)?;
+        Some(Edge { information: loosened(&edge.information), ..edge })
+    }
+
+    fn optimise(&mut self) {
+        let mut poses: Vec<Pose> = self.keyframes.iter().map(|k| k.map_from_scan).collect();
+        optimise(&mut poses, &self.edges);
+        for (keyframe, pose) in self.keyframes.iter_mut().zip(poses) {
+            keyframe.map_from_scan = pose;
+        }
+    }
+
+    fn renew_local(&mut self, settings: &Settings) {
+        let newest = self.keyframes.len() - 1;
+        let ways = ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M);
+        self.boxes = boxes(&self.keyframes, &settings.eraser);
+        self.local = GrowingMap::default();
+        for (k, way) in ways.iter().enumerate() {
+            if way.is_some() {
+                let report = self.merge_locally(k, &settings.merge);
+                self.merged_into = report.into;
+            }
+        }
+        self.unrenewed_m = 0.0;
+        self.is_stale = false;
+    }
+
+    /// The map of all keyframes, after the final pass.
+    pub fn map(&self, settings: &Settings) -> Map {
+        finish(&self.keyframes, boxes(&self.keyframes, &settings.eraser), &settings.merge)
+    }
+}
+
+fn edge_to_next(from: usize, last: Pose, pose: Pose, alignment: Option<&Alignment>) -> Edge {
+    let information = alignment.map_or_else(Information::default, |a| a.information.turned(-last.theta_rad));
+    Edge {
+        from,
+        to: from + 1,
+        motion: last.inverse() * pose,
+        information: loosened(&information),
+        is_loop: false,
+    }
+}
+
+/// What the walls say is more than they know: the map they are compared with has errors of its own. Standard
+/// deviations of 5 mm and 0.1° are added.
+fn loosened(information: &Information) -> Information {
+    information.with_noise(0.005, 0.002)
+}

@@ -1,0 +1,89 @@
+use crate::align::Alignment;
+use crate::extract::Extraction;
+use crate::geometry::{Polyline, Pose};
+use crate::judge::Agreement;
+use crate::matching::Matching;
+use crate::merge::MergeReport;
+
+/// Why a scan has no place in the map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum NotPlaced {
+    /// Fewer returns on polylines than an alignment needs.
+    TooFewReturns,
+    /// No pose lets the scan agree with the map.
+    NoMatch,
+}
+
+/// What became of a scan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outcome {
+    /// It has a pose in the map.
+    Placed {
+        /// The laser in the map frame.
+        map_from_scan: Pose,
+    },
+    /// It has none.
+    NotPlaced {
+        /// Why.
+        reason: NotPlaced,
+    },
+}
+
+/// The stages of the pipeline, in order, for whoever wants to take their time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Stage {
+    /// Scan → polylines.
+    Extract,
+    /// Virtual scan, match and alignment.
+    Place,
+    /// Moving objects and merging.
+    Merge,
+    /// Places seen before, the pose graph, the map around made anew.
+    Loops,
+    /// The map of all keyframes and its final pass.
+    Finish,
+}
+
+impl Stage {
+    /// All stages, in order.
+    pub const ALL: [Self; 5] = [Self::Extract, Self::Place, Self::Merge, Self::Loops, Self::Finish];
+
+    /// The stage's name: `extract`, `place`, `merge`, `loops`, `finish`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Extract => "extract",
+            Self::Place => "place",
+            Self::Merge => "merge",
+            Self::Loops => "loops",
+            Self::Finish => "finish",
+        }
+    }
+}
+
+/// Everything that happened to one scan.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// Number of the scan, from 0.
+    pub scan: usize,
+    /// What became of it.
+    pub outcome: Outcome,
+    /// Its polylines, laser frame.
+    pub extraction: Extraction,
+    /// The virtual scan, frame of the last placed scan, when the predicted pose did not settle the place.
+    pub virtual_scan: Option<Vec<Polyline>>,
+    /// The matching by shape of the polylines with the virtual scan.
+    pub matching: Option<Matching>,
+    /// By how much the pose leads the best other one, when others were found.
+    pub lead: Option<f64>,
+    /// Its alignment to the map; `None` for the first scan and for those that could not be aligned.
+    pub alignment: Option<Alignment>,
+    /// How the whole scan agrees with the map.
+    pub agreement: Option<Agreement>,
+    /// What was merged; `None` when the scan shows nothing new.
+    pub merged: Option<MergeReport>,
+    /// Numbers of its polylines that belong to moving objects.
+    pub moving: Vec<usize>,
+    /// Number of the old scan at whose place this one was recognised to be.
+    pub recognised: Option<usize>,
+}
