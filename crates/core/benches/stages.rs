@@ -140,7 +140,7 @@ fn pipeline(criterion: &mut Criterion, kind: ScannerKind, log: &SimLog) {
     let build = || {
         let mut mapper = Mapper::new(Settings::default());
         for scan in &log.scans {
-            mapper.add_scan(scan);
+            mapper.add_scan(scan, None);
         }
         mapper
     };

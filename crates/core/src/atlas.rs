@@ -77,12 +77,16 @@ impl Atlas {
 
     /// Pose of a keyframe.
     pub fn pose(&self, keyframe: usize) -> Pose {
-        self.keyframes.get(keyframe).map_or(Pose::IDENTITY, |k| k.map_from_scan)
+        self.keyframes
+            .get(keyframe)
+            .map_or(Pose::IDENTITY, |k| k.map_from_scan)
     }
 
     /// Whether a scan at `pose` shall be merged.
     pub fn wants(&self, pose: Pose, step: &Step) -> bool {
-        let Some(keyframe) = self.keyframes.last() else { return true };
+        let Some(keyframe) = self.keyframes.last() else {
+            return true;
+        };
         let last = keyframe.map_from_scan;
         let new_share = step.agreement.map_or(1.0, |a| 1.0 - a.known_share());
         last.distance(pose) > KEYFRAME_M
@@ -138,7 +142,13 @@ impl Atlas {
 
     fn merge_locally(&mut self, keyframe: usize, settings: &MergeSettings) -> crate::merge::MergeReport {
         self.merges += 1;
-        merge(&mut self.local, &self.keyframes[keyframe], &self.boxes, self.merges, settings)
+        merge(
+            &mut self.local,
+            &self.keyframes[keyframe],
+            &self.boxes,
+            self.merges,
+            settings,
+        )
     }
 
     /// Looks for a known place, moves the keyframes if one is found, and makes the map around anew when it is due.
@@ -190,8 +200,17 @@ impl Atlas {
     fn known_place(&self, settings: &Settings) -> Option<Edge> {
         let newest = self.keyframes.len() - 1;
         let ways = ways_m(self.keyframes.len(), &self.edges, newest, f64::INFINITY);
-        let edge = recognise(&self.keyframes, &ways, 2.0 * LOCAL_M, &settings.align, &settings.recognise)?;
-        Some(Edge { information: loosened(&edge.information), ..edge })
+        let edge = recognise(
+            &self.keyframes,
+            &ways,
+            2.0 * LOCAL_M,
+            &settings.align,
+            &settings.recognise,
+        )?;
+        Some(Edge {
+            information: loosened(&edge.information),
+            ..edge
+        })
     }
 
     fn optimise(&mut self) {
@@ -219,7 +238,11 @@ impl Atlas {
 
     /// The map of all keyframes, after the final pass.
     pub fn map(&self, settings: &Settings) -> Map {
-        finish(&self.keyframes, boxes(&self.keyframes, &settings.eraser), &settings.merge)
+        finish(
+            &self.keyframes,
+            boxes(&self.keyframes, &settings.eraser),
+            &settings.merge,
+        )
     }
 }
 

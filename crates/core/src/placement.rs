@@ -35,7 +35,10 @@ impl Motion {
                 sigma_m: 0.02 + 0.1 * driven.translation().norm(),
                 sigma_rad: 0.02 + 0.1 * driven.theta_rad.abs(),
             },
-            None => Guess { map_from_scan: self.map_from_scan * self.step, ..self.standing() },
+            None => Guess {
+                map_from_scan: self.map_from_scan * self.step,
+                ..self.standing()
+            },
         }
     }
 
@@ -137,7 +140,10 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
     if let Some(p) = predicted
         && stage.is_unsurprising(&p)
     {
-        return Answer { placement: Some(p), ..Answer::default() };
+        return Answer {
+            placement: Some(p),
+            ..Answer::default()
+        };
     }
     let standing = stage.try_guess(&motion.standing(), false);
     let wide = Guess {
@@ -152,7 +158,10 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
         && stage.is_good(&p)
         && motion.lost_scans == 0
     {
-        return Answer { placement: Some(p), ..Answer::default() };
+        return Answer {
+            placement: Some(p),
+            ..Answer::default()
+        };
     }
     let reference = virtual_scan(map, motion.map_from_scan, question.merged_into);
     let (matching, by_shape) = match_by_shape(question.polylines, &reference, &stage);

@@ -99,7 +99,11 @@ impl Drift {
         let sigma_m = 0.15 + settings.drift_share * way_m.min(1e4);
         // A turn by one degree in 50 m.
         let sigma_rad = 0.02 + 0.000_35 * way_m.min(1e4);
-        Self { sigma_m, sigma_rad, window_m: (3.0 * sigma_m).min(settings.most_window_m) }
+        Self {
+            sigma_m,
+            sigma_rad,
+            window_m: (3.0 * sigma_m).min(settings.most_window_m),
+        }
     }
 
     /// Squared distance in standard deviations between two poses.
@@ -231,7 +235,7 @@ impl Place {
                     let alignment = align_to_grid(&points, &self.sides, |_, _| true, &guess, None, align)?;
                     let agreement = self.agreement(&views, alignment.map_from_scan);
                     let loss = LOSS_PER_SQUARE * drift.squares(alignment.map_from_scan, here);
-                Some((agreement.score() - loss, agreement, alignment))
+                    Some((agreement.score() - loss, agreement, alignment))
                 })
                 .collect();
         fits.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -91,7 +91,7 @@ impl Row {
         let (mut loops, mut wrong, mut first_wrong) = (0, 0, String::new());
         let started = Instant::now();
         for scan in &log.scans {
-            let step = mapper.add_scan(scan);
+            let step = mapper.add_scan(scan, None);
             if let Some(old) = step.recognised {
                 loops += 1;
                 let outcomes = mapper.outcomes();

@@ -33,7 +33,7 @@ fn office(kind: ScannerKind, people: usize) -> Result {
     .unwrap();
     let mut mapper = Mapper::new(Settings::default());
     for scan in &log.scans {
-        mapper.add_scan(scan);
+        mapper.add_scan(scan, None);
     }
     let pose = |(scan, outcome): (usize, &Outcome)| match outcome {
         Outcome::Placed { map_from_scan } => Some((scan, *map_from_scan)),
@@ -57,7 +57,6 @@ fn office(kind: ScannerKind, people: usize) -> Result {
 
 fn check(result: &Result) {
     assert!(result.map.within_5cm.f_score() >= 0.95, "{result:#?}");
-    assert!(result.map.people_ratio <= 0.05, "{result:#?}");
     // The doors are 0.8 m wide and more.
     assert!(result.trajectory.mean_translation_m < 0.03, "{result:#?}");
     assert!(result.trajectory.max_translation_m < 0.2, "{result:#?}");
@@ -65,26 +64,19 @@ fn check(result: &Result) {
 }
 
 #[test]
-fn an_office_seen_by_a_sick_scanner() {
-    check(&office(ScannerKind::Sick180, 0));
-}
-
-#[test]
-fn an_office_seen_by_a_low_cost_scanner() {
-    check(&office(ScannerKind::LowCost360, 0));
-}
-
-#[test]
-fn an_office_where_people_walk() {
-    check(&office(ScannerKind::Sick180, 3));
-    check(&office(ScannerKind::LowCost360, 3));
-}
-
-#[test]
-#[ignore = "not reached yet: 4 % to 6 % of the walls are drawn twice"]
-fn no_wall_is_drawn_twice() {
+fn an_office_has_its_walls_once_and_in_place() {
     for kind in [ScannerKind::Sick180, ScannerKind::LowCost360] {
         let result = office(kind, 0);
+        check(&result);
         assert!(result.map.doubled_ratio <= 0.02, "{result:#?}");
+    }
+}
+
+#[test]
+fn people_who_walk_about_are_no_walls() {
+    for kind in [ScannerKind::Sick180, ScannerKind::LowCost360] {
+        let result = office(kind, 3);
+        check(&result);
+        assert!(result.map.people_ratio <= 0.05, "{result:#?}");
     }
 }

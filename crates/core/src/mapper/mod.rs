@@ -56,7 +56,10 @@ pub struct Mapper {
 /// How a scan is held: by a keyframe, with which it moves when loops are closed, or not at all.
 #[derive(Clone, Copy)]
 enum Held {
-    By { keyframe: usize, keyframe_from_scan: Pose },
+    By {
+        keyframe: usize,
+        keyframe_from_scan: Pose,
+    },
     Nowhere(NotPlaced),
 }
 
@@ -105,7 +108,8 @@ impl Mapper {
 
         enter(Stage::Merge);
         if self.atlas.wants(pose, &step) {
-            self.atlas.add_keyframe(&mut step, scan, points, pose, &self.settings);
+            self.atlas
+                .add_keyframe(&mut step, scan, points, pose, &self.settings);
             enter(Stage::Loops);
             let moved = self.atlas.close_loops(&mut step, &self.settings);
             self.follow(moved);
@@ -117,7 +121,13 @@ impl Mapper {
     fn extract(&mut self, scan: &Scan) -> Extraction {
         self.noise.observe(scan);
         let noise_m = self.settings.extract.noise_m.or(self.noise.sigma_m());
-        extract(scan, &ExtractSettings { noise_m, ..self.settings.extract })
+        extract(
+            scan,
+            &ExtractSettings {
+                noise_m,
+                ..self.settings.extract
+            },
+        )
     }
 
     fn place(
@@ -129,7 +139,9 @@ impl Mapper {
         if points.len() < LEAST_POINTS {
             return Err(NotPlaced::TooFewReturns);
         }
-        let Some(mut motion) = self.motion else { return Ok(Answer::default()) };
+        let Some(mut motion) = self.motion else {
+            return Ok(Answer::default());
+        };
         if let (Some(before), Some(now)) = (self.odometry, odometry) {
             motion.driven = Some(before.inverse() * now);
         }
@@ -141,7 +153,11 @@ impl Mapper {
             motion: &motion,
         };
         let answer = place(question, &self.settings.align, &self.settings.place);
-        if answer.placement.is_some() { Ok(answer) } else { Err(NotPlaced::NoMatch) }
+        if answer.placement.is_some() {
+            Ok(answer)
+        } else {
+            Err(NotPlaced::NoMatch)
+        }
     }
 
     /// Takes note of a scan that has no place.
@@ -162,7 +178,12 @@ impl Mapper {
             Some(m) if m.lost_scans == 0 => m.map_from_scan.inverse() * pose,
             _ => Pose::IDENTITY,
         };
-        self.motion = Some(Motion { map_from_scan: pose, step, driven: None, lost_scans: 0 });
+        self.motion = Some(Motion {
+            map_from_scan: pose,
+            step,
+            driven: None,
+            lost_scans: 0,
+        });
         self.odometry = odometry;
     }
 
@@ -177,7 +198,10 @@ impl Mapper {
         let pose = self.motion.map_or(Pose::IDENTITY, |m| m.map_from_scan);
         step.outcome = Outcome::Placed { map_from_scan: pose };
         let (keyframe, map_from_keyframe) = self.atlas.newest();
-        self.scans.push(Held::By { keyframe, keyframe_from_scan: map_from_keyframe.inverse() * pose });
+        self.scans.push(Held::By {
+            keyframe,
+            keyframe_from_scan: map_from_keyframe.inverse() * pose,
+        });
     }
 
     /// What became of every scan so far, in the map frame as it is now.
@@ -186,9 +210,12 @@ impl Mapper {
         self.scans
             .iter()
             .map(|held| match *held {
-                Held::By { keyframe, keyframe_from_scan } => {
-                    Outcome::Placed { map_from_scan: self.atlas.pose(keyframe) * keyframe_from_scan }
-                }
+                Held::By {
+                    keyframe,
+                    keyframe_from_scan,
+                } => Outcome::Placed {
+                    map_from_scan: self.atlas.pose(keyframe) * keyframe_from_scan,
+                },
                 Held::Nowhere(reason) => Outcome::NotPlaced { reason },
             })
             .collect()
@@ -207,7 +234,9 @@ impl Step {
         let outcome = match answer {
             Ok(answer) => Outcome::Placed {
                 // The first scan makes the frame of the map.
-                map_from_scan: answer.placement.map_or(Pose::IDENTITY, |p| p.alignment.map_from_scan),
+                map_from_scan: answer
+                    .placement
+                    .map_or(Pose::IDENTITY, |p| p.alignment.map_from_scan),
             },
             Err(reason) => Outcome::NotPlaced { reason: *reason },
         };

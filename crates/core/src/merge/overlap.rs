@@ -29,10 +29,14 @@ fn merge_each(map: &mut GrowingMap, settings: &MergeSettings) -> usize {
     order.sort_unstable();
     let mut merged = 0;
     for (_, slot) in order {
-        let Some(polyline) = map.polyline(slot) else { continue };
+        let Some(polyline) = map.polyline(slot) else {
+            continue;
+        };
         let points = points_of(polyline);
         let others = |owner: u32| owner != slot;
-        let overlapping = points.iter().filter(|p| super::link::closest(map, p, settings.gate_m, others).is_some());
+        let overlapping = points
+            .iter()
+            .filter(|p| super::link::closest(map, p, settings.gate_m, others).is_some());
         // One point is where two walls meet.
         if overlapping.take(2).count() == 2 {
             map.remove(slot);
