@@ -4,7 +4,7 @@
 //! `keyframes`. The columns:
 //!
 //! - `lost`: scans that were not placed;
-//! - `F5`, `F2`, `double%`, `people%`: the map, see [`polymapper_sim::MapScore`];
+//! - `P5`, `R5`, `F5`, `F2`, `double%`, `people%`: the map, see [`polymapper_sim::MapScore`];
 //! - `mean`, `max`: how far the placed scans are off, metres, and `turn`, the most, degrees, after the best fit;
 //! - `jump@scan`: the largest error of the motion from one placed scan to the next, metres, and where it was made:
 //!   where a map begins to go wrong;
@@ -41,7 +41,7 @@ fn run(arguments: &[String]) -> Result<(), Box<dyn std::error::Error>> {
         return Err("usage: score_simulated PLANS SCANNERS MOTIONS PEOPLE SEEDS".into());
     };
     println!(
-        "plan          scanner    motion    people seed scans lost    F5    F2 double% people%  mean    max  turn jump@scan     off@scan      loops    ms wrong"
+        "plan          scanner    motion    people seed scans lost    P5    R5    F5    F2 double% people%  mean    max  turn jump@scan     off@scan      loops    ms wrong"
     );
     for plan in list(plans, &PlanKind::ALL)? {
         for kind in list(scanners, &ScannerKind::ALL)? {
@@ -128,9 +128,11 @@ impl Row {
         let jump = told(jumps.iter().copied().max_by(|a, b| a.0.total_cmp(&b.0)));
         let off = told(jumps.iter().copied().find(|j| j.0 > 0.3));
         Self(format!(
-            "{:5} {:4} {:.3} {:.3} {:7.1} {:7.1} {mean_m:5.3} {max_m:6.3} {turn_deg:5.2} {jump:13} {off:13} {loops:3}/{wrong:<2} {ms:5.1} {first_wrong}",
+            "{:5} {:4} {:.3} {:.3} {:.3} {:.3} {:7.1} {:7.1} {mean_m:5.3} {max_m:6.3} {turn_deg:5.2} {jump:13} {off:13} {loops:3}/{wrong:<2} {ms:5.1} {first_wrong}",
             log.scans.len(),
             log.scans.len() - placed.len(),
+            score.within_5cm.precision_ratio,
+            score.within_5cm.recall_ratio,
             score.within_5cm.f_score(),
             score.within_2cm.f_score(),
             100.0 * score.doubled_ratio,
