@@ -359,3 +359,27 @@ fn the_real_logs_are_read_to_their_end() {
         assert_eq!((1 + rest, log.tally().bad_scans), (expected, 0), "{name}");
     }
 }
+
+#[test]
+fn a_range_that_recurs_at_the_top_is_no_return_and_said_to_be_one() {
+    // A room, and a glass door that gives no return, seen on other beams from scan to scan.
+    let line = |scan: usize| {
+        let ranges: String = (0..181)
+            .map(|beam| {
+                let is_door = (scan..scan + 5).contains(&beam);
+                let range_m = if is_door { 29.99 } else { 2.0 + beam as f64 / 100.0 };
+                format!(" {range_m:.2}")
+            })
+            .collect();
+        format!("FLASER 181{ranges} 1 2 0.3 4 5 0.6 1234.5 host 7.8\n")
+    };
+    let text: String = (0..20).map(line).collect();
+    let mut log = open_text(&text, ReadOptions::default());
+    let scans: Vec<Entry> = log.by_ref().collect::<Result<_, _>>().unwrap();
+    let Some(Entry::Scan(last)) = scans.last() else {
+        panic!("no scan");
+    };
+    assert_eq!(last.scan.returns(), 181 - 5);
+    let notes = log.tally().notes;
+    assert!(notes.iter().any(|n| n.contains("29.985 m")), "{notes:?}");
+}

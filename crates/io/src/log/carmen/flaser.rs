@@ -10,6 +10,8 @@
 //! | 360, 361 | 0.5° | −90° |
 //! | other n | 180°/(n−1) | −90°, said in a note |
 //!
+//! The lines do not say what the scanner writes for no return either; [`NoReturnCode`] finds it.
+//!
 //! The stamp is the first number after the six pose fields. Some tools write lines that end with the poses.
 //!
 //! The ranges and the poses are all numbers, so a header that is off by a few would go unseen and shift the
@@ -18,7 +20,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use polymapper_core::scan::{Scan, ScanGeometry};
+use polymapper_core::scan::{NoReturnCode, Scan, ScanGeometry};
 
 use super::LaserLine;
 use super::fields::{Fields, number, pose, stamp_s};
@@ -29,13 +31,22 @@ const POSE_FIELDS: usize = 6;
 /// The most fields that stand after the ranges: two poses, stamp, host, logger's stamp.
 const MOST_FIELDS: usize = 9;
 
-/// What the line before looked like.
+/// What the lines before looked like.
 #[derive(Default)]
 pub(super) struct Layout {
     fields_after_ranges: Option<usize>,
+    no_return: NoReturnCode,
 }
 
 impl Layout {
+    /// What was made of the longest ranges, in words for the user.
+    pub fn note(&self) -> Option<String> {
+        let from_m = self.no_return.from_m()?;
+        Some(format!(
+            "no range limit in the log: {from_m:.3} m and more taken as no return, since that recurs and nothing is longer"
+        ))
+    }
+
     /// Reads one line.
     ///
     /// # Errors
@@ -58,8 +69,13 @@ impl Layout {
         if !tail.is_whole(before) {
             return Err(wrong_header(&readings).unwrap_or_else(|| misfit(&readings)));
         }
+        self.no_return.observe(&ranges_m);
+        let mut geometry = geometry(beams, notes)?;
+        if let Some(from_m) = self.no_return.from_m() {
+            geometry = geometry.with_limits(0.0, from_m);
+        }
         Ok(LaserLine {
-            scan: Scan::new(geometry(beams, notes)?, ranges_m)?,
+            scan: Scan::new(geometry, ranges_m)?,
             stamp_s: tail.fields.get(POSE_FIELDS).and_then(|text| stamp_s(text)),
             odometry: if use_odometry {
                 pose(&tail.fields[3..POSE_FIELDS])

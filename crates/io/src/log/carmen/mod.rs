@@ -150,12 +150,14 @@ impl ScanReader for CarmenReader {
     }
 
     fn tally(&self) -> Tally {
-        Tally {
+        let mut tally = Tally {
             lines: self.lines.number(),
             bytes: self.lines.read_bytes(),
             laser: self.laser.clone(),
             ..self.tally.clone()
-        }
+        };
+        tally.notes.extend(self.flaser.note());
+        tally
     }
 }
 

@@ -3,7 +3,12 @@
 //! Beams run counter-clockwise (a reader turns clockwise scanners round). A range
 //! that is no return (beyond reach, too near, error code, NaN, infinite) is held
 //! as NaN, so that the stages have a single test to make. No return says nothing
-//! about free space: glass and black walls give none either.
+//! about free space: glass and black walls give none either. [`NoReturnCode`] finds the range that
+//! a log writes for "no return" where it does not say.
+
+mod no_return;
+
+pub use no_return::NoReturnCode;
 
 use crate::geometry::Point;
 
