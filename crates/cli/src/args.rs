@@ -1,6 +1,8 @@
 //! The command line.
 
+use std::convert::Infallible;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand};
@@ -24,6 +26,10 @@ pub enum Command {
     Build(BuildArgs),
     /// Write the polylines of every scan, one JSON object a line
     Extract(ExtractArgs),
+    /// Draw the figures of the paper from a log
+    Figures(FiguresArgs),
+    /// Match two scans by shape: where was the scanner the second time?
+    Match(MatchArgs),
     /// Write a log of a made-up place, and the truth about it
     Simulate(SimulateArgs),
     /// Build a map of a real log that comes with the program
@@ -74,6 +80,108 @@ pub struct ExtractArgs {
     /// Most vertices of all polylines of a scan together [default: as many as the noise supports]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
     pub vertices: Option<u32>,
+}
+
+/// Draws the figures of the paper from a log, each as SVG and PNG.
+///
+/// fig1: all scans at the poses in the log, the same with the rotation corrected by long walls, aligned scans, the polygonal map.
+/// fig2: one scan raw, grouped to polylines, and simplified at the levels 1, 5, 10 and 15 mm.
+/// fig3: two scans far apart, matched by shape alone.
+/// fig4: a vertex of the map that no simulated ray hits, and how it passes into the new map.
+///
+/// The poses in the log serve fig1 (a) and (b) only; the mapper never sees them. A figure for which the log has nothing to show is
+/// left out, said on standard error, and the exit code is 3.
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct FiguresArgs {
+    /// Laser log, plain or gzip; `-` is standard input
+    pub log: PathBuf,
+    /// Folder for the figures; made if it is not there
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
+    #[arg(long, value_name = "KIND")]
+    pub laser: Option<String>,
+    /// Scan of fig2, counted from 0 [default: the one of 20 with most vertices]
+    #[arg(long, value_name = "K")]
+    pub scan: Option<usize>,
+    /// Scans of fig3, counted from 0 [default: a pair a metre or 30° apart that is matched rightly]
+    #[arg(long, value_name = "A,B", value_parser = scan_pair)]
+    pub pair: Option<(usize, usize)>,
+}
+
+/// Matches two scans by the shape of their polylines, without odometry, and writes what it finds as JSON to standard output.
+///
+/// A and B are LOG:SCAN with scans counted from 0, or logs of one scan each. All poses are `a_from_b`: where the scanner of B stood and
+/// looked in the frame of scan A (x ahead, y left; metres, radians).
+///
+/// verdict:
+///   sure       one pose leads clearly, the walls fix it in every direction
+///   ambiguous  another pose explains the walls nearly as well, or the walls leave a direction open (a corridor)
+///   none       no pose explains a good part of the walls
+///
+/// hypotheses, best first: x_m, y_m, theta_rad; score (only differences mean something); explained_ratio, the share of B's walls that lie on
+/// walls of A; contradicted_ratio, the share of both that the other looked through; unobservable, the unit vector [x, y] along which the
+/// walls do not fix the place, or null; sigma_x_m, sigma_y_m, sigma_theta_rad, null where not determined.
+///
+/// correspondences, at the best hypothesis: a and b, numbers of polylines (as `extract` counts them) that belong together;
+/// shape_cost_rad2, the dissimilarity of their shapes.
+#[derive(clap::Args)]
+#[command(verbatim_doc_comment)]
+pub struct MatchArgs {
+    /// First scan: LOG:SCAN, or a log of one scan
+    #[arg(value_name = "A")]
+    pub first: ScanPlace,
+    /// Second scan: LOG:SCAN, or a log of one scan
+    #[arg(value_name = "B")]
+    pub second: ScanPlace,
+    /// Kind of message to read, such as RLASER, where a log has several lasers [default: the front laser]
+    #[arg(long, value_name = "KIND")]
+    pub laser: Option<String>,
+    /// Picture of the two scans and their correspondences
+    #[arg(long, value_name = "FILE")]
+    pub svg: Option<PathBuf>,
+}
+
+/// A scan of a log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ScanPlace {
+    pub log: PathBuf,
+    /// 0-based; `None`: the only one.
+    pub scan: Option<usize>,
+}
+
+impl FromStr for ScanPlace {
+    type Err = Infallible;
+
+    /// What follows the last colon is a scan if it is a number, and part of the name otherwise.
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        let place = text
+            .rsplit_once(':')
+            .and_then(|(log, scan)| Some((log, scan.parse().ok()?)));
+        Ok(match place {
+            Some((log, scan)) => Self {
+                log: log.into(),
+                scan: Some(scan),
+            },
+            None => Self {
+                log: text.into(),
+                scan: None,
+            },
+        })
+    }
+}
+
+fn scan_pair(text: &str) -> Result<(usize, usize), String> {
+    let numbers = text.split_once(',').and_then(|(a, b)| {
+        let number = |n: &str| n.trim().parse().ok();
+        Some((number(a)?, number(b)?))
+    });
+    match numbers {
+        Some((a, b)) if a != b => Ok((a, b)),
+        Some(_) => Err("two different scans are needed".to_owned()),
+        None => Err("two numbers of scans with a comma between are needed, such as 12,40".to_owned()),
+    }
 }
 
 #[derive(clap::Args)]

@@ -13,6 +13,7 @@ mod memory;
 mod pictures;
 mod progress;
 mod scans;
+mod shape_match;
 mod talk;
 
 use std::io;
@@ -43,6 +44,8 @@ fn main() -> ExitCode {
     let result = match args.command {
         Command::Build(args) => commands::build::run(&args),
         Command::Extract(args) => commands::extract::run(&args),
+        Command::Figures(args) => commands::figures::run(&args),
+        Command::Match(args) => commands::match_scans::run(&args),
         Command::Simulate(args) => commands::simulate::run(&args),
         Command::Demo(args) => commands::demo::run(&args),
     };

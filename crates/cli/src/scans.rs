@@ -98,3 +98,10 @@ fn located(name: &str, bad: &BadScan) -> String {
 pub fn open(path: &Path, options: log::ReadOptions) -> anyhow::Result<Log> {
     log::open(path, options).context("cannot use the log")
 }
+
+/// The last part of the path of a log, for titles and captions.
+pub fn short_name(log_name: &str) -> String {
+    Path::new(log_name)
+        .file_name()
+        .map_or_else(|| log_name.to_owned(), |name| name.to_string_lossy().into_owned())
+}

@@ -3,4 +3,6 @@
 pub mod build;
 pub mod demo;
 pub mod extract;
+pub mod figures;
+pub mod match_scans;
 pub mod simulate;

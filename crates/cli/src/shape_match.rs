@@ -1,0 +1,153 @@
+//! Two scans matched by shape: the verdict on the result, and its picture (Fig. 3 of the paper).
+
+use polymapper_core::extract::{ExtractSettings, extract};
+use polymapper_core::geometry::{Polyline, Pose, wrap_rad};
+use polymapper_core::matching::{Hypothesis, Matching, match_polylines, unmoved};
+use polymapper_core::scan::Scan;
+use polymapper_draw::figures::{Apart, correspondence};
+use polymapper_draw::{Extent, Panel, Scene};
+
+/// Less of the scan's wall on walls of the other is chance: two scans of different rooms come to that.
+const LEAST_EXPLAINED: f64 = 0.4;
+/// Two poses whose scores differ by less explain the walls alike. On the scale of the score: a tenth of the walls.
+const CLEAR_LEAD: f64 = 0.1;
+
+/// What a matching is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// One pose leads clearly, and the walls fix it in every direction.
+    Sure,
+    /// Another pose explains the walls nearly as well, or the walls leave a direction open.
+    Ambiguous,
+    /// No pose explains a good part of the walls.
+    None,
+}
+
+impl Verdict {
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Sure => "sure",
+            Self::Ambiguous => "ambiguous",
+            Self::None => "none",
+        }
+    }
+
+    fn of(hypotheses: &[Hypothesis]) -> Self {
+        let Some(best) = hypotheses.first() else {
+            return Self::None;
+        };
+        // Where more wall was looked through than not, the rest that fits is no argument.
+        if best.explained_ratio - best.contradicted_ratio < LEAST_EXPLAINED {
+            return Self::None;
+        }
+        let leads = hypotheses
+            .get(1)
+            .is_none_or(|next| best.score - next.score >= CLEAR_LEAD);
+        if leads && best.unobservable.is_none() {
+            Self::Sure
+        } else {
+            Self::Ambiguous
+        }
+    }
+}
+
+/// Two scans and how they match.
+pub struct ShapeMatch {
+    first: Vec<Polyline>,
+    second: Vec<Polyline>,
+    /// The second scan in the frame of the first.
+    pub matching: Matching,
+    pub verdict: Verdict,
+}
+
+impl ShapeMatch {
+    /// Matches `second` to `first`, by their shape alone.
+    pub fn of(first: &Scan, second: &Scan) -> Self {
+        let (first, second) = (polylines(first), polylines(second));
+        let matching = match_polylines(&second, &first, &unmoved());
+        let verdict = Verdict::of(&matching.hypotheses);
+        Self {
+            first,
+            second,
+            matching,
+            verdict,
+        }
+    }
+
+    /// The best pose of the second scan in the frame of the first.
+    pub fn first_from_second(&self) -> Option<Pose> {
+        Some(self.matching.hypotheses.first()?.reference_from_scan)
+    }
+
+    /// Fig. 3: both scans as the scanner saw them, and the second moved to where the match puts it.
+    pub fn scene(&self, names: [&str; 2]) -> Scene {
+        let pairs: Vec<(usize, usize)> = self
+            .matching
+            .correspondences
+            .iter()
+            .flat_map(|c| {
+                let scan = &c.scan;
+                c.reference
+                    .iter()
+                    .flat_map(move |&r| scan.iter().map(move |&s| (r, s)))
+            })
+            .collect();
+        let mut scene = correspondence(&self.first, &self.second, &pairs, Apart::AsGiven);
+        for panel in &mut scene.panels {
+            finish(panel, "each scan in its own frame");
+        }
+        if let Some(pose) = self.first_from_second() {
+            let moved: Vec<Polyline> = self.second.iter().map(|p| p.transformed(pose)).collect();
+            for mut panel in correspondence(&self.first, &moved, &[], Apart::AsGiven).panels {
+                finish(&mut panel, "the second moved by the best match");
+                panel.legend.clear();
+                scene.panels.push(panel);
+            }
+        }
+        let [first, second] = names;
+        let words = self.words();
+        scene.caption = format!(
+            "First scan: {first}, second scan: {second}. {}{words}",
+            scene.caption
+        );
+        scene
+    }
+
+    fn words(&self) -> String {
+        let Some(best) = self.matching.hypotheses.first() else {
+            return " No pose was found.".to_owned();
+        };
+        let along = match best.unobservable {
+            Some(_) => ", but leave a direction open",
+            None => "",
+        };
+        format!(
+            " The match puts the second scan {} from the first ({}), by shape alone, without odometry; {:.0}\u{a0}% of its walls fit{along}.",
+            apart(best.reference_from_scan),
+            self.verdict.word(),
+            100.0 * best.explained_ratio,
+        )
+    }
+}
+
+/// A motion in words: "1.24 m and 35°".
+pub fn apart(motion: Pose) -> String {
+    format!(
+        "{:.2}\u{a0}m and {:.1}°",
+        motion.translation().norm(),
+        wrap_rad(motion.theta_rad).abs().to_degrees()
+    )
+}
+
+fn finish(panel: &mut Panel, title: &str) {
+    title.clone_into(&mut panel.title);
+    panel.extent = Extent::Robust;
+}
+
+fn polylines(scan: &Scan) -> Vec<Polyline> {
+    extract(scan, &ExtractSettings::default())
+        .polylines
+        .into_iter()
+        .map(|p| p.polyline)
+        .collect()
+}
