@@ -25,6 +25,10 @@ pub(crate) struct Window {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Candidate {
     pub map_from_scan: Pose,
+    #[allow(
+        dead_code,
+        reason = "alignment judges anew; tests hold it against the naive search"
+    )]
     pub score: f64,
 }
 

@@ -53,7 +53,7 @@ impl Survey {
         let reading = scans::for_each(log, interrupt, |entry| {
             let Entry::Scan(line) = entry else { return Ok(()) };
             let before = EARLY.contains(&scans.len()).then(|| mapper.map());
-            let outcome = mapper.add_scan(&line.scan).outcome;
+            let outcome = mapper.add_scan(&line.scan, None).outcome;
             if let (Some(map), Some(map_from_scan)) = (before, place(outcome)) {
                 early.push(BeforeMerge {
                     scan: scans.len(),
