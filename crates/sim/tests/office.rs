@@ -12,8 +12,7 @@ use polymapper_sim::{
 
 /// A built map against the truth.
 #[derive(Debug)]
-#[expect(dead_code, reason = "all of it is printed when a test fails")]
-struct Result {
+struct Built {
     map: MapScore,
     trajectory: TrajectoryError,
     scans: usize,
@@ -21,7 +20,7 @@ struct Result {
 }
 
 /// The office of seed 1 at 10 Hz, with 1 cm of noise.
-fn office(kind: ScannerKind, people: usize) -> Result {
+fn office(kind: ScannerKind, people: usize) -> Built {
     let scanner = Scanner::new(kind);
     assert!((scanner.noise_m - 0.01).abs() < 1e-9);
     let log = simulate(&SimSettings {
@@ -47,7 +46,7 @@ fn office(kind: ScannerKind, people: usize) -> Result {
         .iter()
         .filter_map(MapPolyline::polyline)
         .collect();
-    Result {
+    Built {
         map: score_map(&walls, world_from_map, &log.map_truth()),
         trajectory: trajectory_error(&placed, &log.truth_poses, world_from_map).unwrap(),
         scans: log.scans.len(),
@@ -55,7 +54,7 @@ fn office(kind: ScannerKind, people: usize) -> Result {
     }
 }
 
-fn check(result: &Result) {
+fn check(result: &Built) {
     assert!(result.map.within_5cm.f_score() >= 0.95, "{result:#?}");
     // The doors are 0.8 m wide and more.
     assert!(result.trajectory.mean_translation_m < 0.03, "{result:#?}");
