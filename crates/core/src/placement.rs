@@ -24,6 +24,32 @@ pub(crate) struct Motion {
     pub driven: Option<Pose>,
     /// Scans since, that could not be placed.
     pub lost_scans: u32,
+    /// How far off predictions usually are.
+    pub usual: Surprise,
+}
+
+/// How far poses usually lie from the predicted ones: some millimetres in a log of every scan, a metre in one of
+/// keyframes. A running mean, so that one set of settings serves both.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surprise {
+    pub shift_m: f64,
+    pub turn_rad: f64,
+}
+
+impl Default for Surprise {
+    fn default() -> Self {
+        Self { shift_m: 0.3, turn_rad: 0.3 }
+    }
+}
+
+impl Surprise {
+    fn after(self, shift_m: f64, turn_rad: f64) -> Self {
+        const GAIN: f64 = 0.1;
+        Self {
+            shift_m: (self.shift_m + GAIN * (shift_m - self.shift_m)).max(0.03),
+            turn_rad: (self.turn_rad + GAIN * (turn_rad - self.turn_rad)).max(0.02),
+        }
+    }
 }
 
 impl Motion {
@@ -40,6 +66,26 @@ impl Motion {
                 ..self.standing()
             },
         }
+    }
+
+    /// The motion after the next scan was placed. After a gap the speed is not known.
+    pub fn advanced(&self, pose: Pose) -> Self {
+        let predicted = self.predicted().map_from_scan;
+        let is_gap = self.lost_scans > 0;
+        let usual = self.usual.after(
+            predicted.distance(pose),
+            wrap_rad(predicted.theta_rad - pose.theta_rad).abs(),
+        );
+        Self {
+            step: if is_gap { Pose::IDENTITY } else { self.map_from_scan.inverse() * pose },
+            usual: if is_gap { self.usual } else { usual },
+            ..Self::starting_at(pose)
+        }
+    }
+
+    /// No motion yet.
+    pub fn starting_at(map_from_scan: Pose) -> Self {
+        Self { map_from_scan, step: Pose::IDENTITY, driven: None, lost_scans: 0, usual: Surprise::default() }
     }
 
     /// Where it is when it has stopped. Speeds change by some centimetres a scan, the more the faster it is.
@@ -247,15 +293,14 @@ impl Stage<'_> {
     /// direction that the walls leave open, the motion is all there is to go by.
     fn unlikely(&self, alignment: &Alignment) -> f64 {
         let predicted = self.motion.predicted();
+        let usual = self.motion.usual;
         let off = alignment.map_from_scan.translation() - predicted.map_from_scan.translation();
         let turn_rad = wrap_rad(predicted.map_from_scan.theta_rad - alignment.map_from_scan.theta_rad);
         let scale = 1.0 + f64::from(self.motion.lost_scans);
-        let off_m = off.norm() / ((0.3 + 0.5 * self.motion.step.translation().norm()) * scale);
-        let off_rad = turn_rad / (0.4 * scale);
-        let off_along = alignment
-            .unobservable
-            .map_or(0.0, |d| off.dot(d) / (3.0 * predicted.sigma_m * scale));
-        (0.005 * (off_m * off_m + off_rad * off_rad + off_along * off_along)).min(0.15)
+        let off_m = off.norm() / (3.0 * usual.shift_m * scale);
+        let off_rad = turn_rad / (3.0 * usual.turn_rad * scale);
+        let off_along = alignment.unobservable.map_or(0.0, |d| off.dot(d) / (3.0 * predicted.sigma_m * scale));
+        (0.01 * (off_m * off_m + off_rad * off_rad + off_along * off_along)).min(0.15)
     }
 
     fn is_unsurprising(&self, p: &Placement) -> bool {

@@ -172,18 +172,9 @@ impl Mapper {
         }
     }
 
-    /// The motion goes on from a new pose. After a gap the speed is not known.
+    /// The motion goes on from a new pose.
     fn advance(&mut self, pose: Pose, odometry: Option<Pose>) {
-        let step = match self.motion {
-            Some(m) if m.lost_scans == 0 => m.map_from_scan.inverse() * pose,
-            _ => Pose::IDENTITY,
-        };
-        self.motion = Some(Motion {
-            map_from_scan: pose,
-            step,
-            driven: None,
-            lost_scans: 0,
-        });
+        self.motion = Some(self.motion.map_or_else(|| Motion::starting_at(pose), |m| m.advanced(pose)));
         self.odometry = odometry;
     }
 
