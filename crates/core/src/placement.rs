@@ -315,6 +315,14 @@ impl Stage<'_> {
             && off_rad <= 2.0 * predicted.sigma_rad
     }
 
+    /// How far from the predicted place a scanner can be that has moved as before, metres: ten times as far as
+    /// usual. While scans cannot be placed it may wander off.
+    fn reach_m(&self) -> f64 {
+        let lost_m = (0.5 * f64::from(self.motion.lost_scans)).min(6.0);
+        let usual_m = 0.5 + 10.0 * self.motion.usual.shift_m;
+        usual_m.min(self.settings.window_m) + self.motion.step.translation().norm() + lost_m
+    }
+
     fn is_good(&self, p: &Placement) -> bool {
         p.agreement.fit() >= self.settings.good_fit && p.agreement.known_share() >= 0.5
     }
@@ -350,7 +358,7 @@ impl Stage<'_> {
         let lost = f64::from(self.motion.lost_scans);
         let window = Window {
             centre: predicted,
-            half_m: self.settings.window_m + self.motion.step.translation().norm() + (0.5 * lost).min(6.0),
+            half_m: self.reach_m(),
             half_rad: self.settings.window_rad + (0.1 * lost).min(1.4),
             wanted: self.settings.candidates,
             min_score: 0.25,
