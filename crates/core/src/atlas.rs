@@ -253,15 +253,15 @@ impl Atlas {
     }
 }
 
+/// The edge between two keyframes in a row. Where the walls leave a direction open, the motion model holds it: without,
+/// a closed loop would pull a corridor out like a drawer at the one keyframe that saw least.
 fn edge_to_next(from: usize, last: Pose, pose: Pose, alignment: Option<&Alignment>) -> Edge {
-    let information = alignment.map_or_else(Information::default, |a| a.information.turned(-last.theta_rad));
-    Edge {
-        from,
-        to: from + 1,
-        motion: last.inverse() * pose,
-        information: loosened(&information),
-        is_loop: false,
-    }
+    let motion = last.inverse() * pose;
+    let walls = alignment.map_or_else(Information::default, |a| a.information.turned(-last.theta_rad));
+    let sigma_m = 0.03 + 0.2 * motion.translation().norm();
+    let sigma_rad = 0.03 + 0.2 * motion.theta_rad.abs();
+    let kept_going = Information::from_sigmas(sigma_m, sigma_m, sigma_rad);
+    Edge { from, to: from + 1, motion, information: loosened(&walls).plus(&kept_going), is_loop: false }
 }
 
 /// What the walls say is more than they know: the map they are compared with has errors of its own. Standard
