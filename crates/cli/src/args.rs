@@ -102,7 +102,7 @@ pub struct FiguresArgs {
     /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
     #[arg(long, value_name = "KIND")]
     pub laser: Option<String>,
-    /// Scan of fig2, counted from 0 [default: the one of 20 with most vertices]
+    /// Scan of fig2, counted from 0 [default: one with many vertices close by]
     #[arg(long, value_name = "K")]
     pub scan: Option<usize>,
     /// Scans of fig3, counted from 0 [default: a pair a metre or 30° apart that is matched rightly]

@@ -1,11 +1,11 @@
 //! Two scans matched by shape: the verdict on the result, and its picture (Fig. 3 of the paper).
 
 use polymapper_core::extract::{ExtractSettings, extract};
-use polymapper_core::geometry::{Polyline, Pose, wrap_rad};
+use polymapper_core::geometry::{Point, Polyline, Pose, wrap_rad};
 use polymapper_core::matching::{Hypothesis, Matching, match_polylines, unmoved};
 use polymapper_core::scan::Scan;
 use polymapper_draw::figures::{Apart, correspondence};
-use polymapper_draw::{Extent, Panel, Scene};
+use polymapper_draw::{Extent, Layer, Panel, Scene, Stroke, palette};
 
 /// Less of the scan's wall on walls of the other is chance: two scans of different rooms come to that.
 const LEAST_EXPLAINED: f64 = 0.4;
@@ -80,7 +80,9 @@ impl ShapeMatch {
     }
 
     /// Fig. 3: both scans as the scanner saw them, and the second moved to where the match puts it.
-    pub fn scene(&self, names: [&str; 2]) -> Scene {
+    ///
+    /// `names` opens the caption: "a.log, scans 3 (green) and 9 (blue)".
+    pub fn scene(&self, names: &str) -> Scene {
         let pairs: Vec<(usize, usize)> = self
             .matching
             .correspondences
@@ -94,22 +96,19 @@ impl ShapeMatch {
             .collect();
         let mut scene = correspondence(&self.first, &self.second, &pairs, Apart::AsGiven);
         for panel in &mut scene.panels {
-            finish(panel, "each scan in its own frame");
+            finish(panel, "as the scanner saw them");
+            panel.layers.push(scanners(Pose::IDENTITY));
         }
         if let Some(pose) = self.first_from_second() {
             let moved: Vec<Polyline> = self.second.iter().map(|p| p.transformed(pose)).collect();
             for mut panel in correspondence(&self.first, &moved, &[], Apart::AsGiven).panels {
-                finish(&mut panel, "the second moved by the best match");
+                finish(&mut panel, "second scan moved by the match");
+                panel.layers.push(scanners(pose));
                 panel.legend.clear();
                 scene.panels.push(panel);
             }
         }
-        let [first, second] = names;
-        let words = self.words();
-        scene.caption = format!(
-            "First scan: {first}, second scan: {second}. {}{words}",
-            scene.caption
-        );
+        scene.caption = format!("{names}. {}{}", scene.caption, self.words());
         scene
     }
 
@@ -122,7 +121,7 @@ impl ShapeMatch {
             None => "",
         };
         format!(
-            " The match puts the second scan {} from the first ({}), by shape alone, without odometry; {:.0}\u{a0}% of its walls fit{along}.",
+            " The match puts the second scan {} from the first ({}), by shape alone, without odometry; {:.0}\u{a0}% of its walls fit{along}. Rings: scanner.",
             apart(best.reference_from_scan),
             self.verdict.word(),
             100.0 * best.explained_ratio,
@@ -137,6 +136,18 @@ pub fn apart(motion: Pose) -> String {
         motion.translation().norm(),
         wrap_rad(motion.theta_rad).abs().to_degrees()
     )
+}
+
+/// Rings where the scanner stood.
+fn scanners(first_from_second: Pose) -> Layer {
+    let mut layer = Layer::new("scanner");
+    for (at, colour, radius_px) in [
+        (Point::default(), palette::GREEN, 11.0),
+        (first_from_second.translation(), palette::BLUE, 7.0),
+    ] {
+        layer.marker(at, radius_px, palette::WHITE, Stroke::new(colour, 3.5));
+    }
+    layer
 }
 
 fn finish(panel: &mut Panel, title: &str) {

@@ -27,16 +27,10 @@ pub fn levels(points: &[Point], stages: &[Stage]) -> Scene {
         let layer = polylines(
             "polylines",
             &stage.polylines,
-            Stroke::new(palette::INK, 2.4),
+            Stroke::new(palette::INK, 2.0),
             palette::VERMILION,
         );
-        let count = |n, noun| counted(n, noun);
-        let title = format!(
-            "{}: {}, {}",
-            stage.title,
-            count(stage.polylines.len(), "polyline"),
-            count(vertices(stage), "vertex")
-        );
+        let title = format!("{}: {}", stage.title, counted(vertices(stage), "vertex"));
         finished(Panel::new(title).with(layer))
     }));
     Scene::of_panels(panels).with_caption(caption(points, stages))
@@ -59,8 +53,9 @@ fn caption(points: &[Point], stages: &[Stage]) -> String {
         .iter()
         .map(|stage| {
             format!(
-                ", {}: {}",
+                ", {}: {} with {}",
                 stage.title.replace(' ', "\u{a0}"),
+                counted(stage.polylines.len(), "polyline"),
                 counted(vertices(stage), "vertex")
             )
         })

@@ -22,21 +22,21 @@ pub struct Overview<'a> {
     pub map: &'a Map,
 }
 
-/// Fig. 1: (a) raw odometry, (b) rotation corrected, (c) aligned scans, (d) the polygonal map.
+/// Fig. 1: (a) the poses in the log, as a rule raw odometry, (b) rotation corrected, (c) aligned scans, (d) the polygonal map.
 ///
 /// Clouds of millions of points are thinned to the pixels; a panel without data says so.
 #[must_use]
 pub fn overview(input: &Overview<'_>) -> Scene {
-    let no_odometry = "no odometry in this log";
+    let no_odometry = "no odometry in the log";
     let mut map = map_panel(input.map, &[], 0.45 * Scene::PAGE_PX);
     "polygonal map".clone_into(&mut map.title);
     "the map is empty".clone_into(&mut map.when_empty);
     map.legend.clear();
     map.grid = crate::scene::Grid::None;
     let panels = vec![
-        overlay_panel("scans at odometry poses", input.odometry, no_odometry),
+        overlay_panel("scans at the poses in the log", input.odometry, no_odometry),
         overlay_panel(
-            "rotation corrected by long walls",
+            "rotation corrected by walls",
             input.rotation_corrected,
             no_odometry,
         ),
