@@ -45,17 +45,22 @@ fn vertices(stage: &Stage) -> usize {
 }
 
 fn caption(points: &[Point], stages: &[Stage]) -> String {
+    let in_polylines = match stages {
+        [first, others @ ..] if others.iter().all(|s| s.polylines.len() == first.polylines.len()) => {
+            format!(" in {}", counted(first.polylines.len(), "polyline"))
+        }
+        _ => String::new(),
+    };
     let start = format!(
-        "One scan from its returns to polylines. {}",
+        "One scan from its returns to polylines. {}{in_polylines}",
         counted(points.len(), "return")
     );
     let chain: String = stages
         .iter()
         .map(|stage| {
             format!(
-                ", {}: {} with {}",
+                ", {}: {}",
                 stage.title.replace(' ', "\u{a0}"),
-                counted(stage.polylines.len(), "polyline"),
                 counted(vertices(stage), "vertex")
             )
         })
