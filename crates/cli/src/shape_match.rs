@@ -162,3 +162,34 @@ fn polylines(scan: &Scan) -> Vec<Polyline> {
         .map(|p| p.polyline)
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use polymapper_core::align::Information;
+
+    use super::*;
+
+    fn hypothesis(score: f64, explained_ratio: f64, unobservable: Option<Point>) -> Hypothesis {
+        Hypothesis {
+            reference_from_scan: Pose::IDENTITY,
+            information: Information::default(),
+            explained_ratio,
+            contradicted_ratio: 0.0,
+            score,
+            unobservable,
+        }
+    }
+
+    #[test]
+    fn only_a_clear_lead_with_nothing_left_open_is_sure() {
+        let good = hypothesis(0.9, 0.9, None);
+        let corridor = hypothesis(0.9, 0.9, Some(Point::new(1.0, 0.0)));
+        let (twin, far) = (hypothesis(0.85, 0.85, None), hypothesis(0.3, 0.5, None));
+        assert_eq!(Verdict::of(&[good.clone(), far]), Verdict::Sure);
+        assert_eq!(Verdict::of(std::slice::from_ref(&good)), Verdict::Sure);
+        assert_eq!(Verdict::of(&[good, twin]), Verdict::Ambiguous);
+        assert_eq!(Verdict::of(&[corridor]), Verdict::Ambiguous);
+        assert_eq!(Verdict::of(&[hypothesis(0.1, 0.2, None)]), Verdict::None);
+        assert_eq!(Verdict::of(&[]), Verdict::None);
+    }
+}

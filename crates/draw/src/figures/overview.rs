@@ -27,14 +27,14 @@ pub struct Overview<'a> {
 /// Clouds of millions of points are thinned to the pixels; a panel without data says so.
 #[must_use]
 pub fn overview(input: &Overview<'_>) -> Scene {
-    let no_odometry = "no odometry in the log";
+    let no_odometry = "no odometry in this log";
     let mut map = map_panel(input.map, &[], 0.45 * Scene::PAGE_PX);
     "polygonal map".clone_into(&mut map.title);
     "the map is empty".clone_into(&mut map.when_empty);
     map.legend.clear();
     map.grid = crate::scene::Grid::None;
     let panels = vec![
-        overlay_panel("scans at the poses in the log", input.odometry, no_odometry),
+        overlay_panel("scans at the log’s poses", input.odometry, no_odometry),
         overlay_panel(
             "rotation corrected by walls",
             input.rotation_corrected,
