@@ -51,6 +51,8 @@ pub enum Command {
     ///   ambiguous  another pose explains the walls nearly as well, or the walls leave a
     ///              direction open (a corridor)
     ///   none       no pose explains a good part of the walls
+    /// Shape cannot tell two places that look alike: sure is about the pose, given that both
+    /// scans are of one place.
     ///
     /// hypotheses, best first:
     ///   x_m, y_m, theta_rad   the pose

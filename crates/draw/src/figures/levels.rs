@@ -45,14 +45,14 @@ fn vertices(stage: &Stage) -> usize {
 }
 
 fn caption(points: &[Point], stages: &[Stage]) -> String {
-    let in_polylines = match stages {
+    let and_polylines = match stages {
         [first, others @ ..] if others.iter().all(|s| s.polylines.len() == first.polylines.len()) => {
-            format!(" in {}", counted(first.polylines.len(), "polyline"))
+            format!(", {}", counted(first.polylines.len(), "polyline"))
         }
         _ => String::new(),
     };
     let start = format!(
-        "One scan from its returns to polylines. {}{in_polylines}",
+        "One scan from its returns to polylines. {}{and_polylines}",
         counted(points.len(), "return")
     );
     let chain: String = stages
