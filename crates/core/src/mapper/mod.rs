@@ -27,17 +27,18 @@
 //! # Ok::<(), polymapper_core::scan::ScanError>(())
 //! ```
 
+mod atlas;
 mod settings;
 mod step;
 
 use crate::align::SidePoint;
-use crate::atlas::Atlas;
+use crate::align::side_points;
 use crate::extract::{ExtractSettings, Extraction, RunningNoise, extract};
 use crate::geometry::Pose;
 use crate::map::Map;
-use crate::placement::{Answer, Motion, Question, place};
+use crate::place::{Answer, Motion, Question, place};
 use crate::scan::Scan;
-use crate::side_points::side_points;
+use atlas::Atlas;
 
 pub use settings::Settings;
 pub use step::{NotPlaced, Outcome, Stage, Step};
@@ -174,7 +175,10 @@ impl Mapper {
 
     /// The motion goes on from a new pose.
     fn advance(&mut self, pose: Pose, odometry: Option<Pose>) {
-        self.motion = Some(self.motion.map_or_else(|| Motion::starting_at(pose), |m| m.advanced(pose)));
+        self.motion = Some(
+            self.motion
+                .map_or_else(|| Motion::starting_at(pose), |m| m.advanced(pose)),
+        );
         self.odometry = odometry;
     }
 

@@ -1,6 +1,6 @@
 //! The returns of a scan with the polyline and the side that each lies on.
 
-use crate::align::SidePoint;
+use super::SidePoint;
 use crate::extract::ScanPolyline;
 use crate::geometry::{Point, Segment};
 use crate::scan::Scan;

@@ -3,16 +3,21 @@
 //! In: the scan's returns on their sides, the map around, the motion so far. Out: the pose that agrees best with the
 //! whole scan. Full-rate scans move a few centimetres, and the first alignment from the predicted pose is right; when
 //! the scan disagrees with it (a jump, a standstill after motion, somebody walking along), other poses are tried, and
-//! if none agrees, all poses in a window around ([`crate::search`]).
+//! if none agrees, all poses in a window around ([`search`]).
+
+pub(crate) mod judge;
+pub(crate) mod search;
+mod virtual_scan;
 
 use crate::align::{AlignSettings, Alignment, Guess, SidePoint, align_to_grid};
 use crate::extract::ScanPolyline;
 use crate::geometry::{Point, Polyline, Pose, SideGrid, wrap_rad};
-use crate::judge::{Agreement, judge};
 use crate::matching::{Matching, PoseGaussian, match_polylines, unmoved};
 use crate::merge::growing_map::GrowingMap;
-use crate::search::{Field, Window, search};
-use crate::virtual_scan::virtual_scan;
+pub use judge::Agreement;
+use judge::judge;
+use search::{Field, Window, search};
+use virtual_scan::virtual_scan;
 
 /// The scanner's last pose and how it moved to it.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +43,10 @@ pub(crate) struct Surprise {
 
 impl Default for Surprise {
     fn default() -> Self {
-        Self { shift_m: 0.3, turn_rad: 0.3 }
+        Self {
+            shift_m: 0.3,
+            turn_rad: 0.3,
+        }
     }
 }
 
@@ -77,7 +85,11 @@ impl Motion {
             wrap_rad(predicted.theta_rad - pose.theta_rad).abs(),
         );
         Self {
-            step: if is_gap { Pose::IDENTITY } else { self.map_from_scan.inverse() * pose },
+            step: if is_gap {
+                Pose::IDENTITY
+            } else {
+                self.map_from_scan.inverse() * pose
+            },
             usual: if is_gap { self.usual } else { usual },
             ..Self::starting_at(pose)
         }
@@ -85,7 +97,13 @@ impl Motion {
 
     /// No motion yet.
     pub fn starting_at(map_from_scan: Pose) -> Self {
-        Self { map_from_scan, step: Pose::IDENTITY, driven: None, lost_scans: 0, usual: Surprise::default() }
+        Self {
+            map_from_scan,
+            step: Pose::IDENTITY,
+            driven: None,
+            lost_scans: 0,
+            usual: Surprise::default(),
+        }
     }
 
     /// Where it is when it has stopped. Speeds change by some centimetres a scan, the more the faster it is.
@@ -299,7 +317,9 @@ impl Stage<'_> {
         let scale = 1.0 + f64::from(self.motion.lost_scans);
         let off_m = off.norm() / (3.0 * usual.shift_m * scale);
         let off_rad = turn_rad / (3.0 * usual.turn_rad * scale);
-        let off_along = alignment.unobservable.map_or(0.0, |d| off.dot(d) / (3.0 * predicted.sigma_m * scale));
+        let off_along = alignment
+            .unobservable
+            .map_or(0.0, |d| off.dot(d) / (3.0 * predicted.sigma_m * scale));
         (0.01 * (off_m * off_m + off_rad * off_rad + off_along * off_along)).min(0.15)
     }
 
