@@ -15,6 +15,8 @@ mod sharp;
 mod sight;
 mod simulate;
 mod splice;
+#[cfg(test)]
+mod tests;
 
 pub use eraser::EraserSettings;
 use growing_map::GrowingMap;
