@@ -147,7 +147,12 @@ def sample(bench):
     """The sample in the repository: the figures of README's caption."""
     log = ROOT / "samples" / "killian.log.gz"
     out, report = bench.build(log, "killian")
-    return {"sample": table(MAP_HEAD, [map_row(bench, "Killian Court, first 300 scans", log, out, report)])}
+    caption = (f"{placed(report)} scans placed without odometry · {report['map']['length_m']:.0f} m of wall in "
+               f"{report['map']['vertices']} vertices · {sum(s['wall_s'] for s in report['stages']):.1f} s")
+    return {
+        "caption": caption,
+        "sample": table(MAP_HEAD, [map_row(bench, "Killian Court, first 300 scans", log, out, report)]),
+    }
 
 
 def raw(bench):
@@ -311,7 +316,7 @@ def write(tables):
         text = old = path.read_text()
         for name, body in tables.items():
             place = re.compile(rf"(<!-- {name} -->\n).*?(<!-- /{name} -->)", re.DOTALL)
-            text = place.sub(lambda m, body=body: f"{m[1]}\n{body}\n\n{m[2]}", text)
+            text = place.sub(lambda m, body=body: f"{m[1]}\n{body.strip()}\n\n{m[2]}", text)
         if text != old:
             path.write_text(text)
             tell(f"{path.relative_to(ROOT)} written")
