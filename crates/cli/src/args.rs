@@ -27,8 +27,46 @@ pub enum Command {
     /// Write the polylines of every scan, one JSON object a line
     Extract(ExtractArgs),
     /// Draw the figures of the paper from a log
+    ///
+    /// Each as SVG and PNG:
+    ///
+    ///   fig1  all scans at the poses in the log, the same with the rotation corrected by long
+    ///         walls, the aligned scans, the polygonal map
+    ///   fig2  one scan raw, grouped to polylines, and simplified at 1, 5, 10 and 15 mm
+    ///   fig3  two scans far apart, matched by shape alone
+    ///   fig4  a vertex of the map that no simulated ray hits, and how it passes into the new map
+    ///
+    /// The poses in the log serve fig1 (a) and (b) only; the mapper does not see them. A figure
+    /// for which the log has nothing to show is left out, said on standard error, and the exit
+    /// code is 3.
+    #[command(verbatim_doc_comment)]
     Figures(FiguresArgs),
     /// Match two scans by shape: where was the scanner the second time?
+    ///
+    /// No odometry is used. The answer is JSON on standard output. A pose is where the scanner
+    /// of B stood and looked in the frame of scan A (x ahead, y left; metres, radians).
+    ///
+    /// verdict:
+    ///   sure       one pose leads clearly, and the walls fix it in every direction
+    ///   ambiguous  another pose explains the walls nearly as well, or the walls leave a
+    ///              direction open (a corridor)
+    ///   none       no pose explains a good part of the walls
+    /// Shape cannot tell two places that look alike: sure is about the pose, given that both
+    /// scans are of one place.
+    ///
+    /// hypotheses, best first:
+    ///   x_m, y_m, theta_rad   the pose
+    ///   score                 what they are ranked by; only differences mean something
+    ///   explained_ratio       share of the walls of B that lie on walls of A
+    ///   contradicted_ratio    share of the walls of both that the other looked through
+    ///   unobservable          direction [x, y] in which the walls leave the place open, or null
+    ///   sigma_x_m, sigma_y_m, sigma_theta_rad
+    ///                         standard deviations; null where a direction is open
+    ///
+    /// correspondences, for the best pose:
+    ///   a, b                  polylines that belong together, numbered as by `extract`
+    ///   shape_cost_rad2       how unlike their shapes are
+    #[command(verbatim_doc_comment)]
     Match(MatchArgs),
     /// Write a log of a made-up place, and the truth about it
     Simulate(SimulateArgs),
@@ -82,17 +120,7 @@ pub struct ExtractArgs {
     pub vertices: Option<u32>,
 }
 
-/// Draws the figures of the paper from a log, each as SVG and PNG.
-///
-/// fig1: all scans at the poses in the log, the same with the rotation corrected by long walls, aligned scans, the polygonal map.
-/// fig2: one scan raw, grouped to polylines, and simplified at the levels 1, 5, 10 and 15 mm.
-/// fig3: two scans far apart, matched by shape alone.
-/// fig4: a vertex of the map that no simulated ray hits, and how it passes into the new map.
-///
-/// The poses in the log serve fig1 (a) and (b) only; the mapper never sees them. A figure for which the log has nothing to show is
-/// left out, said on standard error, and the exit code is 3.
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
 pub struct FiguresArgs {
     /// Laser log, plain or gzip; `-` is standard input
     pub log: PathBuf,
@@ -102,7 +130,7 @@ pub struct FiguresArgs {
     /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
     #[arg(long, value_name = "KIND")]
     pub laser: Option<String>,
-    /// Scan of fig2, counted from 0 [default: the one of 20 with most vertices]
+    /// Scan of fig2, counted from 0 [default: one with many vertices close by]
     #[arg(long, value_name = "K")]
     pub scan: Option<usize>,
     /// Scans of fig3, counted from 0 [default: a pair a metre or 30° apart that is matched rightly]
@@ -110,24 +138,7 @@ pub struct FiguresArgs {
     pub pair: Option<(usize, usize)>,
 }
 
-/// Matches two scans by the shape of their polylines, without odometry, and writes what it finds as JSON to standard output.
-///
-/// A and B are LOG:SCAN with scans counted from 0, or logs of one scan each. All poses are `a_from_b`: where the scanner of B stood and
-/// looked in the frame of scan A (x ahead, y left; metres, radians).
-///
-/// verdict:
-///   sure       one pose leads clearly, the walls fix it in every direction
-///   ambiguous  another pose explains the walls nearly as well, or the walls leave a direction open (a corridor)
-///   none       no pose explains a good part of the walls
-///
-/// hypotheses, best first: x_m, y_m, theta_rad; score (only differences mean something); explained_ratio, the share of B's walls that lie on
-/// walls of A; contradicted_ratio, the share of both that the other looked through; unobservable, the unit vector [x, y] along which the
-/// walls do not fix the place, or null; sigma_x_m, sigma_y_m, sigma_theta_rad, null where not determined.
-///
-/// correspondences, at the best hypothesis: a and b, numbers of polylines (as `extract` counts them) that belong together;
-/// shape_cost_rad2, the dissimilarity of their shapes.
 #[derive(clap::Args)]
-#[command(verbatim_doc_comment)]
 pub struct MatchArgs {
     /// First scan: LOG:SCAN, or a log of one scan
     #[arg(value_name = "A")]
@@ -225,4 +236,25 @@ fn plan_kind() -> impl TypedValueParser<Value = PlanKind> {
 
 fn scanner_kind() -> impl TypedValueParser<Value = ScannerKind> {
     PossibleValuesParser::new(ScannerKind::ALL.map(ScannerKind::name)).try_map(|name| name.parse())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_sound() {
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn a_scan_follows_the_last_colon_if_it_is_a_number() {
+        let place = |text: &str| text.parse::<ScanPlace>().map(|p| (p.log, p.scan));
+        assert_eq!(place("a.log:12"), Ok(("a.log".into(), Some(12))));
+        assert_eq!(place("a:b.log"), Ok(("a:b.log".into(), None)));
+        assert_eq!(place("day:1:12"), Ok(("day:1".into(), Some(12))));
+        assert_eq!(place("-:3"), Ok(("-".into(), Some(3))));
+    }
 }

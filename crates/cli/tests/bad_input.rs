@@ -52,10 +52,10 @@ impl Folder {
     }
 }
 
-/// Both commands refuse the log with exit code 1 and words that hold `expected`.
+/// The commands that read a log refuse the log with exit code 1 and words that hold `expected`.
 fn assert_refused(log: &str, expected: &str) {
     let folder = Folder::new();
-    for command in ["extract", "build"] {
+    for command in ["extract", "build", "figures"] {
         let place = folder.path(command);
         let output = run(&[command, log, "-o", &place.display().to_string()]);
         let talk = talk(&output);
@@ -177,7 +177,7 @@ fn an_output_that_cannot_be_written_is_told_before_the_work() {
     let folder = Folder::new();
     let log = folder.file("room.log", room());
     let below_a_file = format!("{log}/out");
-    for command in ["extract", "build"] {
+    for command in ["extract", "build", "figures"] {
         let output = run(&[command, &log, "-o", &below_a_file]);
         assert_eq!(output.status.code(), Some(1));
         let talk = talk(&output);

@@ -4,24 +4,25 @@
 //! Data flows one way: scan → polylines → shape match → alignment → merge → map. This library knows no
 //! files, clock, printing or ROS.
 
-pub mod align;
-mod atlas;
-pub mod eraser;
-pub mod extract;
-mod finish;
+// In the order in which data flows.
 pub mod geometry;
-mod graph;
-pub mod judge;
-mod keyframe;
-pub mod map;
-pub mod mapper;
-pub mod matching;
-pub mod merge;
-pub mod moving;
-pub mod placement;
-pub mod recognise;
 pub mod scan;
-mod search;
+
+pub mod extract;
+
 pub mod shape;
-mod side_points;
-mod virtual_scan;
+
+pub mod matching;
+
+pub mod align;
+
+pub mod place;
+
+mod keyframe;
+pub mod merge;
+
+pub mod map;
+
+pub mod loops;
+
+pub mod mapper;

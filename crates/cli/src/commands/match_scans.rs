@@ -27,7 +27,11 @@ pub fn run(args: &MatchArgs) -> anyhow::Result<Finish> {
     let (first, second) = (read(&args.first)?, read(&args.second)?);
     let found = ShapeMatch::of(&first, &second);
     if let Some(svg) = &args.svg {
-        let scene = found.scene([&name(&args.first), &name(&args.second)]);
+        let scene = found.scene(&format!(
+            "{} (green) and {} (blue)",
+            name(&args.first),
+            name(&args.second)
+        ));
         AtomicFile::write(svg, |f| f.write_all(to_svg(&scene).as_bytes()))?;
     }
     let mut out = io::stdout().lock();

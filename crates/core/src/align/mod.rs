@@ -17,7 +17,9 @@
 
 mod information;
 mod least_squares;
+mod side_points;
 
 pub use information::Information;
 pub(crate) use least_squares::align_to_grid;
 pub use least_squares::{AlignSettings, Alignment, Guess, Prior, SidePoint, align};
+pub(crate) use side_points::side_points;

@@ -27,17 +27,18 @@
 //! # Ok::<(), polymapper_core::scan::ScanError>(())
 //! ```
 
+mod atlas;
 mod settings;
 mod step;
 
 use crate::align::SidePoint;
-use crate::atlas::Atlas;
+use crate::align::side_points;
 use crate::extract::{ExtractSettings, Extraction, RunningNoise, extract};
 use crate::geometry::Pose;
 use crate::map::Map;
-use crate::placement::{Answer, Motion, Question, place};
+use crate::place::{Answer, Motion, Question, place};
 use crate::scan::Scan;
-use crate::side_points::side_points;
+use atlas::Atlas;
 
 pub use settings::Settings;
 pub use step::{NotPlaced, Outcome, Stage, Step};
@@ -172,18 +173,12 @@ impl Mapper {
         }
     }
 
-    /// The motion goes on from a new pose. After a gap the speed is not known.
+    /// The motion goes on from a new pose.
     fn advance(&mut self, pose: Pose, odometry: Option<Pose>) {
-        let step = match self.motion {
-            Some(m) if m.lost_scans == 0 => m.map_from_scan.inverse() * pose,
-            _ => Pose::IDENTITY,
-        };
-        self.motion = Some(Motion {
-            map_from_scan: pose,
-            step,
-            driven: None,
-            lost_scans: 0,
-        });
+        self.motion = Some(
+            self.motion
+                .map_or_else(|| Motion::starting_at(pose), |m| m.advanced(pose)),
+        );
         self.odometry = odometry;
     }
 

@@ -1,10 +1,10 @@
 use crate::align::AlignSettings;
-use crate::eraser::EraserSettings;
 use crate::extract::ExtractSettings;
+use crate::loops::RecogniseSettings;
 use crate::merge::MergeSettings;
-use crate::moving::MovingSettings;
-use crate::placement::PlaceSettings;
-use crate::recognise::RecogniseSettings;
+use crate::merge::eraser::EraserSettings;
+use crate::merge::moving::MovingSettings;
+use crate::place::PlaceSettings;
 
 /// All settings of the mapper. The defaults serve every scanner.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,9 +1,9 @@
 use crate::align::Alignment;
 use crate::extract::Extraction;
 use crate::geometry::{Polyline, Pose};
-use crate::judge::Agreement;
 use crate::matching::Matching;
 use crate::merge::MergeReport;
+use crate::place::judge::Agreement;
 
 /// Why a scan has no place in the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

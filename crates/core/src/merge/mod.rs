@@ -5,15 +5,20 @@
 //! ([`splice`], with the vertex rule of Fig. 4), sharp angles taken out ([`sharp`]), and what the scan looked
 //! through cleared ([`sight`]).
 
+pub(crate) mod eraser;
+pub(crate) mod finish;
 pub(crate) mod growing_map;
 mod link;
-pub(crate) mod overlap;
+pub(crate) mod moving;
+mod overlap;
 mod sharp;
-pub(crate) mod sight;
+mod sight;
 mod simulate;
 mod splice;
 
+pub use eraser::EraserSettings;
 use growing_map::GrowingMap;
+pub use moving::MovingSettings;
 use simulate::ScanPoint;
 
 use crate::keyframe::Keyframe;

@@ -27,16 +27,10 @@ pub fn levels(points: &[Point], stages: &[Stage]) -> Scene {
         let layer = polylines(
             "polylines",
             &stage.polylines,
-            Stroke::new(palette::INK, 2.4),
+            Stroke::new(palette::INK, 2.0),
             palette::VERMILION,
         );
-        let count = |n, noun| counted(n, noun);
-        let title = format!(
-            "{}: {}, {}",
-            stage.title,
-            count(stage.polylines.len(), "polyline"),
-            count(vertices(stage), "vertex")
-        );
+        let title = format!("{}: {}", stage.title, counted(vertices(stage), "vertex"));
         finished(Panel::new(title).with(layer))
     }));
     Scene::of_panels(panels).with_caption(caption(points, stages))
@@ -51,8 +45,14 @@ fn vertices(stage: &Stage) -> usize {
 }
 
 fn caption(points: &[Point], stages: &[Stage]) -> String {
+    let and_polylines = match stages {
+        [first, others @ ..] if others.iter().all(|s| s.polylines.len() == first.polylines.len()) => {
+            format!(", {}", counted(first.polylines.len(), "polyline"))
+        }
+        _ => String::new(),
+    };
     let start = format!(
-        "One scan from its returns to polylines. {}",
+        "One scan from its returns to polylines. {}{and_polylines}",
         counted(points.len(), "return")
     );
     let chain: String = stages

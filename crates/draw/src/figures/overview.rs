@@ -22,7 +22,7 @@ pub struct Overview<'a> {
     pub map: &'a Map,
 }
 
-/// Fig. 1: (a) raw odometry, (b) rotation corrected, (c) aligned scans, (d) the polygonal map.
+/// Fig. 1: (a) the poses in the log, as a rule raw odometry, (b) rotation corrected, (c) aligned scans, (d) the polygonal map.
 ///
 /// Clouds of millions of points are thinned to the pixels; a panel without data says so.
 #[must_use]
@@ -34,9 +34,9 @@ pub fn overview(input: &Overview<'_>) -> Scene {
     map.legend.clear();
     map.grid = crate::scene::Grid::None;
     let panels = vec![
-        overlay_panel("scans at odometry poses", input.odometry, no_odometry),
+        overlay_panel("scans at the log’s poses", input.odometry, no_odometry),
         overlay_panel(
-            "rotation corrected by long walls",
+            "rotation corrected by walls",
             input.rotation_corrected,
             no_odometry,
         ),

@@ -186,8 +186,8 @@ fn caption(input: &VertexRule) -> String {
         }
     };
     format!(
-        "The vertex rule. v is a vertex of the map polyline L1, between the points p_g1 and p_g2 closest to the \
-         consecutive simulated scan points p_s1 and p_s2, which are {} apart. p_sv is the point of the scan polyline L2 \
+        "The vertex rule. v is a vertex of the map polyline L1, between the points pg1 and pg2 closest to the \
+         consecutive simulated scan points ps1 and ps2, which are {} apart. psv is the point of the scan polyline L2 \
          closest to v, {} from it. Their weighted mean, {} from v, is a vertex of the new map.",
         apart(input.simulated[0], input.simulated[1]),
         apart(input.vertex, input.nearest_to_vertex),

@@ -1,7 +1,7 @@
 //! Scene → plate: where everything goes.
 //!
 //! In: a [`Scene`]. Out: a [`Plate`] whose longer side is [`Scene::longest_side_px`] (a little more when a
-//! caption is very long). The number of columns is the one that shows the world largest.
+//! caption is very long). The number of columns is the one that shows the world largest, without leaving much of the page empty.
 
 mod cloud;
 mod furniture;

@@ -29,7 +29,7 @@ pub(crate) fn plate(scene: &Scene) -> Plate {
     let best = (1..=most_columns)
         .map(|columns| page.arrange(columns))
         .reduce(|best, next| {
-            if next.panel_width * next.panel_height > 1.02 * best.panel_width * best.panel_height {
+            if page.worth(&next) > 1.02 * page.worth(&best) {
                 next
             } else {
                 best
@@ -92,6 +92,13 @@ impl<'a> Page<'a> {
 
     fn rows(&self, columns: usize) -> usize {
         self.scene.panels.len().div_ceil(columns)
+    }
+
+    /// Area of a panel, times the share of the cells of the page that hold one: a page with holes is a poor page.
+    fn worth(&self, arrangement: &Arrangement) -> f64 {
+        let columns = arrangement.columns;
+        let filled = self.scene.panels.len() as f64 / (columns * self.rows(columns)).max(1) as f64;
+        arrangement.panel_width * arrangement.panel_height * filled
     }
 
     /// The largest panels in `columns` columns that keep the page within its longest side. Text needs more

@@ -25,8 +25,11 @@ pub fn draw(survey: &Survey, pair: Option<(usize, usize)>) -> Result<Scene, Undr
         ))?,
     };
     let found = ShapeMatch::of(&survey.scans[a].scan, &survey.scans[b].scan);
-    let name = |k: usize| format!("{}, scan\u{a0}{}", survey.name, survey.scans[k].index);
-    let mut scene = found.scene([&name(a), &name(b)]);
+    let (first, second) = (survey.scans[a].index, survey.scans[b].index);
+    let mut scene = found.scene(&format!(
+        "{}, scans\u{a0}{first} (green) and {second} (blue)",
+        survey.name
+    ));
     if let Some(motion) = motion(survey, a, b) {
         scene.caption += &format!(" By the map they are {} apart.", apart(motion));
     }
@@ -38,14 +41,14 @@ fn motion(survey: &Survey, a: usize, b: usize) -> Option<Pose> {
     Some(survey.scans[a].map_from_scan?.inverse() * survey.scans[b].map_from_scan?)
 }
 
-/// Of first scans spread evenly over the log and the next scans far from them, the pair that is furthest apart among those
-/// that are matched surely and rightly.
+/// Of first scans spread evenly over the log and the next scans far from them, the one with most to show among those that
+/// are matched surely and rightly.
 fn find(survey: &Survey) -> Option<(usize, usize)> {
     let count = survey.scans.len();
     let right = (0..count).step_by(count.div_ceil(TRIED).max(1)).filter_map(|a| {
         let (b, motion) = next_far(survey, a)?;
         let found = ShapeMatch::of(&survey.scans[a].scan, &survey.scans[b].scan);
-        is_right(&found, motion).then_some((a, b, farness(motion)))
+        is_right(&found, motion).then(|| (a, b, worth(&found, motion)))
     });
     let (a, b, _) = right.max_by(|x, y| x.2.total_cmp(&y.2))?;
     Some((a, b))
@@ -66,9 +69,11 @@ fn is_right(found: &ShapeMatch, motion: Pose) -> bool {
         })
 }
 
-/// How far in units of what counts as far; more than twice of either counts no more, so that both are wanted.
-fn farness(motion: Pose) -> f64 {
+/// How much there is to show: way and turn, each up to twice of what counts as far, so that both are wanted, and up to
+/// eight correspondences, a fifth each.
+fn worth(found: &ShapeMatch, motion: Pose) -> f64 {
     let way = motion.translation().norm() / FAR_M;
     let turn = motion.theta_rad.abs() / FAR_RAD;
-    way.min(2.0) + turn.min(2.0)
+    let pairs = found.matching.correspondences.len().min(8) as f64;
+    way.min(2.0) + turn.min(2.0) + 0.2 * pairs
 }

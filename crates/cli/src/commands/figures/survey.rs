@@ -10,9 +10,12 @@ use polymapper_io::log::{Entry, Log};
 use crate::interrupt::Interrupt;
 use crate::scans::{self, Reading};
 
-/// Before these scans the map is kept as it is then, for Fig. 4: early, because the newer a vertex of the map is, the
-/// further a scan moves it, and the more there is to see.
-const EARLY: [usize; 8] = [1, 2, 3, 5, 8, 13, 21, 34];
+/// Maps that are kept for Fig. 4, each a step after the one before: early ones, because they are made in no time and their
+/// vertices are new; the newer a vertex, the further a scan moves it, and the more there is to see.
+const EARLY_MAPS: usize = 20;
+/// The step: nearer by, a scan says the same as the last.
+const STEP_M: f64 = 0.25;
+const STEP_RAD: f64 = 0.15;
 
 /// A usable scan of the log.
 pub struct SurveyedScan {
@@ -49,12 +52,14 @@ impl Survey {
     pub fn take(log: &mut Log, interrupt: &Interrupt) -> anyhow::Result<Self> {
         let mut mapper = Mapper::new(Settings::default());
         let mut scans: Vec<SurveyedScan> = Vec::new();
-        let mut early = Vec::new();
+        let mut early: Vec<BeforeMerge> = Vec::new();
+        let mut last: Option<Pose> = None;
         let reading = scans::for_each(log, interrupt, |entry| {
             let Entry::Scan(line) = entry else { return Ok(()) };
-            let before = EARLY.contains(&scans.len()).then(|| mapper.map());
-            let outcome = mapper.add_scan(&line.scan, None).outcome;
-            if let (Some(map), Some(map_from_scan)) = (before, place(outcome)) {
+            let is_due = early.len() < EARLY_MAPS && last.is_some_and(|pose| is_step(&early, pose));
+            let before = is_due.then(|| mapper.map());
+            last = place(mapper.add_scan(&line.scan, None).outcome);
+            if let (Some(map), Some(map_from_scan)) = (before, last) {
                 early.push(BeforeMerge {
                     scan: scans.len(),
                     map,
@@ -95,6 +100,14 @@ impl Survey {
                 )
             })
     }
+}
+
+/// Whether the scanner has moved since the last map was kept.
+fn is_step(early: &[BeforeMerge], pose: Pose) -> bool {
+    early.last().is_none_or(|before| {
+        let motion = before.map_from_scan.inverse() * pose;
+        motion.translation().norm() >= STEP_M || motion.theta_rad.abs() >= STEP_RAD
+    })
 }
 
 fn place(outcome: Outcome) -> Option<Pose> {

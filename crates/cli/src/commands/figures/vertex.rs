@@ -4,6 +4,9 @@
 //! of a map polyline L1 closest to two consecutive ones have a vertex v of the map between them, the rule makes
 //! p_sv, the point of L2 closest to v between the two, and averages it with v by the number of observations. Of all such places in the
 //! early maps of the log the one is drawn where most can be seen.
+//!
+//! The map is the finished one of the scans before, so that L1 has the vertices that a user sees; a merge works on the
+//! growing map, which has more of them.
 
 use polymapper_core::extract::{ExtractSettings, extract};
 use polymapper_core::geometry::{Point, Polyline, Pose, Segment};
@@ -164,9 +167,16 @@ fn nearest_between(polyline: &Polyline, a: Link, b: Link, vertex: Point) -> Opti
         .min_by(|p, q| p.distance(vertex).total_cmp(&q.distance(vertex)))
 }
 
-/// Seen best: all gaps between named points wide against the whole. `None` where two of them fall together.
+/// Seen best: all gaps between named points wide against the whole, and a scan that is not too far from the map, as it is the
+/// rule in a merge. `None` where two points fall together.
 fn clearness(rule: &VertexRule) -> Option<f64> {
-    let size_m = rule.simulated[0].distance(rule.simulated[1]);
+    let size_m = [
+        rule.simulated[0].distance(rule.simulated[1]),
+        rule.closest[0].distance(rule.closest[1]),
+        2.0 * rule.vertex.distance(rule.nearest_to_vertex),
+    ]
+    .into_iter()
+    .fold(0.0, f64::max);
     let gaps = [
         rule.simulated[0].distance(rule.closest[0]),
         rule.simulated[1].distance(rule.closest[1]),

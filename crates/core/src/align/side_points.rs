@@ -1,6 +1,6 @@
 //! The returns of a scan with the polyline and the side that each lies on.
 
-use crate::align::SidePoint;
+use super::SidePoint;
 use crate::extract::ScanPolyline;
 use crate::geometry::{Point, Segment};
 use crate::scan::Scan;
@@ -15,6 +15,9 @@ const MAP_SIGMA_M: f64 = 0.01;
 /// Independent returns that the returns of one side are worth at most. The worth of a wall saturates where the error
 /// of its place (some mm) outweighs the averaged noise of its returns.
 const SIDE_WORTH: f64 = 15.0;
+
+/// Polylines shorter than this are worth less, in proportion, metres.
+const STEADY_M: f64 = 0.5;
 
 /// All returns that lie on a polyline, polyline by polyline; `noise_m` is the range noise.
 pub(crate) fn side_points(scan: &Scan, polylines: &[ScanPolyline], noise_m: f64) -> Vec<SidePoint> {
@@ -46,8 +49,10 @@ pub(crate) fn side_points(scan: &Scan, polylines: &[ScanPolyline], noise_m: f64)
             side_of.push(side);
             returns_of_side[side] += 1;
         }
+        // Small things may be legs that walk along with the scanner; a door frame is part of a longer polyline.
+        let side_worth = SIDE_WORTH * (polyline.polyline.length_m() / STEADY_M).min(1.0);
         for (p, side) in out[first..].iter_mut().zip(side_of) {
-            p.worth = (SIDE_WORTH / f64::from(returns_of_side[side])).min(1.0);
+            p.worth = (side_worth / f64::from(returns_of_side[side])).min(1.0);
         }
     }
     out

@@ -5,18 +5,19 @@
 //! when something merged is found to move, and after some way, so that it holds only keyframes between which little
 //! drift has gathered. The map of all keyframes is made when it is asked for.
 
+use super::{Settings, Step};
 use crate::align::{Alignment, Information, SidePoint};
-use crate::eraser::{boxes, disordered_runs};
-use crate::finish::finish;
 use crate::geometry::{Pose, wrap_rad};
-use crate::graph::{Edge, optimise};
-use crate::keyframe::{Keyframe, ways_m};
+use crate::keyframe::Keyframe;
+use crate::loops::graph::{Edge, optimise};
+use crate::loops::ways::ways_m;
+use crate::loops::{RecogniseSettings, recognise};
 use crate::map::{EraserBox, Map};
-use crate::mapper::{Settings, Step};
+use crate::merge::eraser::{boxes, disordered_runs};
+use crate::merge::finish::finish;
 use crate::merge::growing_map::GrowingMap;
+use crate::merge::moving::find_moving;
 use crate::merge::{MergeReport, MergeSettings, merge, merge_all};
-use crate::moving::find_moving;
-use crate::recognise::{RecogniseSettings, recognise};
 use crate::scan::Scan;
 
 /// Keyframes within this way along the graph make up the map around, metres. Drift stays below the gate of merging.
@@ -253,13 +254,19 @@ impl Atlas {
     }
 }
 
+/// The edge between two keyframes in a row. Where the walls leave a direction open, the motion model holds it: without,
+/// a closed loop would pull a corridor out like a drawer at the one keyframe that saw least.
 fn edge_to_next(from: usize, last: Pose, pose: Pose, alignment: Option<&Alignment>) -> Edge {
-    let information = alignment.map_or_else(Information::default, |a| a.information.turned(-last.theta_rad));
+    let motion = last.inverse() * pose;
+    let walls = alignment.map_or_else(Information::default, |a| a.information.turned(-last.theta_rad));
+    let sigma_m = 0.03 + 0.2 * motion.translation().norm();
+    let sigma_rad = 0.03 + 0.2 * motion.theta_rad.abs();
+    let kept_going = Information::from_sigmas(sigma_m, sigma_m, sigma_rad);
     Edge {
         from,
         to: from + 1,
-        motion: last.inverse() * pose,
-        information: loosened(&information),
+        motion,
+        information: loosened(&walls).plus(&kept_going),
         is_loop: false,
     }
 }

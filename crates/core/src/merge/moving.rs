@@ -7,10 +7,10 @@
 //! The paper asks for shape and distance. Shape alone says little of things of the size of a leg, so we ask visibility
 //! too: the new place was free in the scan before, and the old place is free now.
 
+use super::growing_map::GrowingMap;
 use crate::extract::ScanPolyline;
 use crate::geometry::{Near, Point};
 use crate::keyframe::Keyframe;
-use crate::merge::growing_map::GrowingMap;
 use crate::shape::{Shape, similarity};
 
 /// When an object has moved.

@@ -3,16 +3,21 @@
 //! In: the scan's returns on their sides, the map around, the motion so far. Out: the pose that agrees best with the
 //! whole scan. Full-rate scans move a few centimetres, and the first alignment from the predicted pose is right; when
 //! the scan disagrees with it (a jump, a standstill after motion, somebody walking along), other poses are tried, and
-//! if none agrees, all poses in a window around ([`crate::search`]).
+//! if none agrees, all poses in a window around ([`search`]).
+
+pub(crate) mod judge;
+pub(crate) mod search;
+mod virtual_scan;
 
 use crate::align::{AlignSettings, Alignment, Guess, SidePoint, align_to_grid};
 use crate::extract::ScanPolyline;
 use crate::geometry::{Point, Polyline, Pose, SideGrid, wrap_rad};
-use crate::judge::{Agreement, judge};
 use crate::matching::{Matching, PoseGaussian, match_polylines, unmoved};
 use crate::merge::growing_map::GrowingMap;
-use crate::search::{Field, Window, search};
-use crate::virtual_scan::virtual_scan;
+pub use judge::Agreement;
+use judge::judge;
+use search::{Field, Window, search};
+use virtual_scan::virtual_scan;
 
 /// The scanner's last pose and how it moved to it.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +29,35 @@ pub(crate) struct Motion {
     pub driven: Option<Pose>,
     /// Scans since, that could not be placed.
     pub lost_scans: u32,
+    /// How far off predictions usually are.
+    pub usual: Surprise,
+}
+
+/// How far poses usually lie from the predicted ones: some millimetres in a log of every scan, a metre in one of
+/// keyframes. A running mean, so that one set of settings serves both.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Surprise {
+    pub shift_m: f64,
+    pub turn_rad: f64,
+}
+
+impl Default for Surprise {
+    fn default() -> Self {
+        Self {
+            shift_m: 0.3,
+            turn_rad: 0.3,
+        }
+    }
+}
+
+impl Surprise {
+    fn after(self, shift_m: f64, turn_rad: f64) -> Self {
+        const GAIN: f64 = 0.1;
+        Self {
+            shift_m: (self.shift_m + GAIN * (shift_m - self.shift_m)).max(0.03),
+            turn_rad: (self.turn_rad + GAIN * (turn_rad - self.turn_rad)).max(0.02),
+        }
+    }
 }
 
 impl Motion {
@@ -39,6 +73,36 @@ impl Motion {
                 map_from_scan: self.map_from_scan * self.step,
                 ..self.standing()
             },
+        }
+    }
+
+    /// The motion after the next scan was placed. After a gap the speed is not known.
+    pub fn advanced(&self, pose: Pose) -> Self {
+        let predicted = self.predicted().map_from_scan;
+        let is_gap = self.lost_scans > 0;
+        let usual = self.usual.after(
+            predicted.distance(pose),
+            wrap_rad(predicted.theta_rad - pose.theta_rad).abs(),
+        );
+        Self {
+            step: if is_gap {
+                Pose::IDENTITY
+            } else {
+                self.map_from_scan.inverse() * pose
+            },
+            usual: if is_gap { self.usual } else { usual },
+            ..Self::starting_at(pose)
+        }
+    }
+
+    /// No motion yet.
+    pub fn starting_at(map_from_scan: Pose) -> Self {
+        Self {
+            map_from_scan,
+            step: Pose::IDENTITY,
+            driven: None,
+            lost_scans: 0,
+            usual: Surprise::default(),
         }
     }
 
@@ -247,15 +311,16 @@ impl Stage<'_> {
     /// direction that the walls leave open, the motion is all there is to go by.
     fn unlikely(&self, alignment: &Alignment) -> f64 {
         let predicted = self.motion.predicted();
+        let usual = self.motion.usual;
         let off = alignment.map_from_scan.translation() - predicted.map_from_scan.translation();
         let turn_rad = wrap_rad(predicted.map_from_scan.theta_rad - alignment.map_from_scan.theta_rad);
         let scale = 1.0 + f64::from(self.motion.lost_scans);
-        let off_m = off.norm() / ((0.3 + 0.5 * self.motion.step.translation().norm()) * scale);
-        let off_rad = turn_rad / (0.4 * scale);
+        let off_m = off.norm() / (3.0 * usual.shift_m * scale);
+        let off_rad = turn_rad / (3.0 * usual.turn_rad * scale);
         let off_along = alignment
             .unobservable
             .map_or(0.0, |d| off.dot(d) / (3.0 * predicted.sigma_m * scale));
-        (0.005 * (off_m * off_m + off_rad * off_rad + off_along * off_along)).min(0.15)
+        (0.01 * (off_m * off_m + off_rad * off_rad + off_along * off_along)).min(0.15)
     }
 
     fn is_unsurprising(&self, p: &Placement) -> bool {
@@ -268,6 +333,14 @@ impl Stage<'_> {
             && p.alignment.matched_share() >= 0.5
             && off_m <= 2.0 * predicted.sigma_m
             && off_rad <= 2.0 * predicted.sigma_rad
+    }
+
+    /// How far from the predicted place a scanner can be that has moved as before, metres: ten times as far as
+    /// usual. While scans cannot be placed it may wander off.
+    fn reach_m(&self) -> f64 {
+        let lost_m = (0.5 * f64::from(self.motion.lost_scans)).min(6.0);
+        let usual_m = 0.5 + 10.0 * self.motion.usual.shift_m;
+        usual_m.min(self.settings.window_m) + self.motion.step.translation().norm() + lost_m
     }
 
     fn is_good(&self, p: &Placement) -> bool {
@@ -305,7 +378,7 @@ impl Stage<'_> {
         let lost = f64::from(self.motion.lost_scans);
         let window = Window {
             centre: predicted,
-            half_m: self.settings.window_m + self.motion.step.translation().norm() + (0.5 * lost).min(6.0),
+            half_m: self.reach_m(),
             half_rad: self.settings.window_rad + (0.1 * lost).min(1.4),
             wanted: self.settings.candidates,
             min_score: 0.25,

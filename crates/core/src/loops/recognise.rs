@@ -6,11 +6,11 @@
 
 use crate::align::{AlignSettings, Guess, SidePoint, align_to_grid};
 use crate::geometry::{Point, Pose, SideGrid, wrap_rad};
-use crate::graph::Edge;
-use crate::judge::{Agreement, judge};
 use crate::keyframe::Keyframe;
-use crate::placement::thinned;
-use crate::search::{Field, Window, search};
+use crate::loops::graph::Edge;
+use crate::place::judge::{Agreement, judge};
+use crate::place::search::{Field, Window, search};
+use crate::place::thinned;
 
 /// When a place is recognised.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +55,7 @@ impl Default for RecogniseSettings {
 const STRETCH_STEP_M: f64 = 0.5;
 
 /// An edge from an old keyframe to the newest, if a place is recognised. `ways_m` are the ways along the graph from
-/// the newest keyframe ([`crate::keyframe::ways_m`]).
+/// the newest keyframe ([`crate::loops::ways::ways_m`]).
 pub(crate) fn recognise(
     keyframes: &[Keyframe],
     ways_m: &[Option<f64>],

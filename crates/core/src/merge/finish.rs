@@ -4,13 +4,13 @@
 //! taken out, with the evidence of the whole log instead of the past alone; polylines that lie on others are merged
 //! into them; each is divided into sides anew and its sides fitted.
 
+use super::growing_map::{GrowingMap, GrowingPolyline, SIDE_PENALTY};
+use super::overlap::merge_overlaps;
+use super::{MergeSettings, merge_all, sight};
 use crate::extract::simplify_chain;
 use crate::geometry::Point;
 use crate::keyframe::Keyframe;
 use crate::map::{EraserBox, Map, MapPolyline, MapVertex};
-use crate::merge::growing_map::{GrowingMap, GrowingPolyline, SIDE_PENALTY};
-use crate::merge::overlap::merge_overlaps;
-use crate::merge::{MergeSettings, merge_all, sight};
 
 /// The map of all keyframes, outside the boxes.
 pub(crate) fn finish(keyframes: &[Keyframe], eraser_boxes: Vec<EraserBox>, settings: &MergeSettings) -> Map {
