@@ -1,9 +1,9 @@
 //! Merging an aligned scan into the map (paper section 4).
 //!
 //! In: the polylines of a scan, its pose, the map. Out: the map with the scan averaged into it. In order: simulated
-//! scan points ([`simulate`]), their closest points on the map ([`link`]), new points joined into ordered polylines
-//! ([`splice`], with the vertex rule of Fig. 4), sharp angles taken out ([`sharp`]), and what the scan looked
-//! through cleared ([`sight`]).
+//! scan points (`simulate`), their closest points on the map (`link`), new points joined into ordered polylines
+//! (`splice`, with the vertex rule of Fig. 4), sharp angles taken out (`sharp`), and what the scan looked
+//! through cleared (`sight`).
 
 pub(crate) mod eraser;
 pub(crate) mod finish;
@@ -15,6 +15,8 @@ mod sharp;
 mod sight;
 mod simulate;
 mod splice;
+#[cfg(test)]
+mod tests;
 
 pub use eraser::EraserSettings;
 use growing_map::GrowingMap;

@@ -5,7 +5,7 @@
 //! same kind as an occupancy grid's, kept on the sides.
 
 use super::MergeSettings;
-use super::growing_map::{Evidence, GrowingMap};
+use super::growing_map::{Evidence, GrowingMap, Vertex};
 use crate::geometry::{Crossing, Point, Pose, Side};
 use crate::scan::Scan;
 
@@ -186,6 +186,10 @@ fn is_false(side: &Evidence, settings: &MergeSettings) -> bool {
     looked_through || missed
 }
 
+/// What is left of a polyline most of which is gone, and shorter than this, goes with the rest, metres: of the ends of
+/// a polyline beams cannot tell.
+const STUB_M: f64 = 0.1;
+
 /// Takes the sides that are gone out of a polyline; what is left on either side becomes polylines of their own.
 /// Returns how many sides were taken out.
 fn take_out(map: &mut GrowingMap, slot: u32, is_gone: impl Fn(&Evidence) -> bool) -> usize {
@@ -198,9 +202,12 @@ fn take_out(map: &mut GrowingMap, slot: u32, is_gone: impl Fn(&Evidence) -> bool
         return 0;
     }
     let vertices = polyline.vertices.clone();
-    let mut pieces = vertices
-        .split_inclusive(|v| is_gone(&v.onward))
-        .filter(|piece| piece.len() >= 2);
+    let mostly_gone = 2 * gone > sides.len();
+    let is_left = |piece: &&[Vertex]| {
+        let span_m = piece[0].point.distance(piece[piece.len() - 1].point);
+        piece.len() >= 2 && !(mostly_gone && span_m < STUB_M)
+    };
+    let mut pieces = vertices.split_inclusive(|v| is_gone(&v.onward)).filter(is_left);
     match pieces.next() {
         Some(first) => map.replace(slot, first.to_vec()),
         None => map.remove(slot),

@@ -1,120 +1,33 @@
-//! Where a scan is in the map: prediction when that settles it, search when it does not.
+//! Where a scan is in the map: prediction when that settles it, matching by shape and search when it does not.
 //!
-//! In: the scan's returns on their sides, the map around, the motion so far. Out: the pose that agrees best with the
-//! whole scan. Full-rate scans move a few centimetres, and the first alignment from the predicted pose is right; when
-//! the scan disagrees with it (a jump, a standstill after motion, somebody walking along), other poses are tried, and
-//! if none agrees, all poses in a window around ([`search`]).
+//! In: a scan's polylines and returns, the map around, the motion so far. Out: the pose that agrees best with the whole
+//! scan, or none.
+//!
+//! 1. The predicted pose is aligned. Full-rate scans move a few centimetres, and this settles nearly all of them.
+//! 2. When the scan disagrees with it (a standstill after motion, somebody walking along), standing still and a
+//!    wider guess are tried.
+//! 3. The paper's way (sections 2 and 3.3): the polylines are matched by shape with the virtual scan, and every pose that
+//!    the correspondences induce is aligned.
+//! 4. If none of these stands out, all poses in a window around are searched (`search`).
+//!
+//! Every pose is judged by what the whole scan says of the map, fit and two-way visibility (`judge`), and by what
+//! the motion so far makes likely. The best is taken if it is good enough; otherwise the scan has no place.
 
 pub(crate) mod judge;
+mod motion;
 pub(crate) mod search;
 mod virtual_scan;
 
 use crate::align::{AlignSettings, Alignment, Guess, SidePoint, align_to_grid};
 use crate::extract::ScanPolyline;
-use crate::geometry::{Point, Polyline, Pose, SideGrid, wrap_rad};
+use crate::geometry::{Point, Polyline, SideGrid, wrap_rad};
 use crate::matching::{Matching, PoseGaussian, match_polylines, unmoved};
 use crate::merge::growing_map::GrowingMap;
 pub use judge::Agreement;
 use judge::judge;
+pub(crate) use motion::Motion;
 use search::{Field, Window, search};
 use virtual_scan::virtual_scan;
-
-/// The scanner's last pose and how it moved to it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion {
-    pub map_from_scan: Pose,
-    /// From the last scan but one to the last, in the frame of the former.
-    pub step: Pose,
-    /// By odometry, from the last placed scan to now, in the frame of the former.
-    pub driven: Option<Pose>,
-    /// Scans since, that could not be placed.
-    pub lost_scans: u32,
-    /// How far off predictions usually are.
-    pub usual: Surprise,
-}
-
-/// How far poses usually lie from the predicted ones: some millimetres in a log of every scan, a metre in one of
-/// keyframes. A running mean, so that one set of settings serves both.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Surprise {
-    pub shift_m: f64,
-    pub turn_rad: f64,
-}
-
-impl Default for Surprise {
-    fn default() -> Self {
-        Self {
-            shift_m: 0.3,
-            turn_rad: 0.3,
-        }
-    }
-}
-
-impl Surprise {
-    fn after(self, shift_m: f64, turn_rad: f64) -> Self {
-        const GAIN: f64 = 0.1;
-        Self {
-            shift_m: (self.shift_m + GAIN * (shift_m - self.shift_m)).max(0.03),
-            turn_rad: (self.turn_rad + GAIN * (turn_rad - self.turn_rad)).max(0.02),
-        }
-    }
-}
-
-impl Motion {
-    /// Where the scanner is when it keeps on moving as before, or as odometry says: wheels slip by a tenth of the way.
-    fn predicted(&self) -> Guess {
-        match self.driven {
-            Some(driven) => Guess {
-                map_from_scan: self.map_from_scan * driven,
-                sigma_m: 0.02 + 0.1 * driven.translation().norm(),
-                sigma_rad: 0.02 + 0.1 * driven.theta_rad.abs(),
-            },
-            None => Guess {
-                map_from_scan: self.map_from_scan * self.step,
-                ..self.standing()
-            },
-        }
-    }
-
-    /// The motion after the next scan was placed. After a gap the speed is not known.
-    pub fn advanced(&self, pose: Pose) -> Self {
-        let predicted = self.predicted().map_from_scan;
-        let is_gap = self.lost_scans > 0;
-        let usual = self.usual.after(
-            predicted.distance(pose),
-            wrap_rad(predicted.theta_rad - pose.theta_rad).abs(),
-        );
-        Self {
-            step: if is_gap {
-                Pose::IDENTITY
-            } else {
-                self.map_from_scan.inverse() * pose
-            },
-            usual: if is_gap { self.usual } else { usual },
-            ..Self::starting_at(pose)
-        }
-    }
-
-    /// No motion yet.
-    pub fn starting_at(map_from_scan: Pose) -> Self {
-        Self {
-            map_from_scan,
-            step: Pose::IDENTITY,
-            driven: None,
-            lost_scans: 0,
-            usual: Surprise::default(),
-        }
-    }
-
-    /// Where it is when it has stopped. Speeds change by some centimetres a scan, the more the faster it is.
-    fn standing(&self) -> Guess {
-        Guess {
-            map_from_scan: self.map_from_scan,
-            sigma_m: 0.02 + 0.3 * self.step.translation().norm(),
-            sigma_rad: 0.02 + 0.3 * self.step.theta_rad.abs(),
-        }
-    }
-}
 
 /// A pose and what speaks for it.
 #[derive(Clone, Copy, Debug)]
