@@ -1,5 +1,7 @@
 //! Chores of the workspace: `cargo xtask ci` runs everything that CI runs, in the same order.
 
+mod pictures;
+
 use std::env;
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -23,8 +25,9 @@ fn main() -> ExitCode {
     let chore = match env::args().nth(1).as_deref() {
         Some("ci") => ci,
         Some("smoke") => smoke,
+        Some("pictures") => pictures::draw,
         _ => {
-            eprintln!("usage: cargo xtask ci | smoke");
+            eprintln!("usage: cargo xtask ci | smoke | pictures");
             return ExitCode::from(2);
         }
     };
@@ -58,26 +61,25 @@ fn ci() -> anyhow::Result<()> {
 fn smoke() -> anyhow::Result<()> {
     let folder = tempfile::tempdir().context("no folder for the demo")?;
     let output = folder.path().join("demo");
-    say("polymapper demo");
+    polymapper(&["demo", "-o"], &output)?;
+    RESULT.iter().try_for_each(|name| not_empty(&output.join(name)))
+}
+
+/// Runs the program, `output` being its last argument; scans that were not placed are no failure.
+fn polymapper(args: &[&str], output: &Path) -> anyhow::Result<()> {
+    let words = args.join(" ");
+    say(&format!("polymapper {words}"));
     let status = cargo_command()
-        .args([
-            "run",
-            "--quiet",
-            "--locked",
-            "--package",
-            "polymapper",
-            "--",
-            "demo",
-            "-o",
-        ])
-        .arg(&output)
+        .args(["run", "--quiet", "--locked", "--package", "polymapper", "--"])
+        .args(args)
+        .arg(output)
         .status()
         .context("cannot start cargo")?;
     ensure!(
         matches!(status.code(), Some(0 | DONE_WITH_LOSS)),
-        "`polymapper demo` failed: {status}"
+        "`polymapper {words}` failed: {status}"
     );
-    RESULT.iter().try_for_each(|name| not_empty(&output.join(name)))
+    Ok(())
 }
 
 fn not_empty(path: &Path) -> anyhow::Result<()> {
