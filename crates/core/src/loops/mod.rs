@@ -1,6 +1,6 @@
 //! Closing loops (not in the paper: "when errors occur, they will not be corrected nor eliminated").
 //!
-//! Places seen before are recognised and verified ([`recognise`]), the poses of the keyframes made to agree with all that was
+//! Places seen before are recognised and verified (`recognise`), the poses of the keyframes made to agree with all that was
 //! measured between them (`graph`), and keyframes between which little drift has gathered told from the others
 //! (`ways`).
 
