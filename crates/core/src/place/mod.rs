@@ -47,10 +47,16 @@ pub struct PlaceSettings {
     pub gate_m: f64,
     /// A predicted pose with this share of agreeing beams needs no second look.
     pub good_fit: f64,
-    /// A pose with a smaller share of agreeing beams is not believed.
+    /// A pose near the predicted one with a smaller share of agreeing beams is not believed,
     pub least_fit: f64,
-    /// A pose from which the map says nothing about so many beams is not believed.
+    /// nor one from which the map says something of fewer beams.
     pub least_known: f64,
+    /// The same for a pose elsewhere,
+    pub far_fit: f64,
+    /// see `least_known`,
+    pub far_known: f64,
+    /// and by how much it must lead the next best one.
+    pub far_lead: f64,
     /// A pose that leads the next best, different one by so much needs no further search.
     pub clear_lead: f64,
     /// Half the width of the search window, metres; it grows while scans cannot be placed.
@@ -66,8 +72,11 @@ impl Default for PlaceSettings {
         Self {
             gate_m: 0.10,
             good_fit: 0.8,
-            least_fit: 0.6,
+            least_fit: 0.5,
             least_known: 0.3,
+            far_fit: 0.7,
+            far_known: 0.5,
+            far_lead: 0.1,
             clear_lead: 0.15,
             window_m: 2.5,
             window_rad: 1.75,
@@ -149,11 +158,8 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
         all.extend(stage.search());
         placement = stage.best_of(&mut all);
     }
-    let is_believed = |p: &Placement| {
-        p.agreement.fit() >= settings.least_fit && p.agreement.known_share() >= settings.least_known
-    };
     Answer {
-        placement: placement.filter(is_believed),
+        placement: placement.filter(|p| stage.is_believed(p)),
         matching: Some(matching),
         virtual_scan: Some(reference),
     }
@@ -251,13 +257,33 @@ impl Stage<'_> {
     /// How far from the predicted place a scanner can be that has moved as before, metres: ten times as far as
     /// usual. While scans cannot be placed it may wander off.
     fn reach_m(&self) -> f64 {
-        let lost_m = (0.5 * f64::from(self.motion.lost_scans)).min(6.0);
+        self.usual_reach_m() + (0.5 * f64::from(self.motion.lost_scans)).min(6.0)
+    }
+
+    fn usual_reach_m(&self) -> f64 {
         let usual_m = 0.5 + 10.0 * self.motion.usual.shift_m;
-        usual_m.min(self.settings.window_m) + self.motion.step.translation().norm() + lost_m
+        usual_m.min(self.settings.window_m) + self.motion.step.translation().norm()
     }
 
     fn is_good(&self, p: &Placement) -> bool {
         p.agreement.fit() >= self.settings.good_fit && p.agreement.known_share() >= 0.5
+    }
+
+    /// Whether a pose is believed: where the scanner was expected, on fair evidence; elsewhere only on good evidence and
+    /// when nothing else comes near. After a gap everything is elsewhere, and a corridor looks like every other.
+    fn is_believed(&self, p: &Placement) -> bool {
+        let settings = self.settings;
+        let predicted = self.motion.predicted().map_from_scan;
+        let off_m = predicted.distance(p.alignment.map_from_scan);
+        let off_rad = wrap_rad(predicted.theta_rad - p.alignment.map_from_scan.theta_rad).abs();
+        let (fit, known) = (p.agreement.fit(), p.agreement.known_share());
+        if off_m < self.usual_reach_m() && off_rad < 0.2 + 3.0 * self.motion.usual.turn_rad {
+            return fit >= settings.least_fit && known >= settings.least_known;
+        }
+        fit >= settings.far_fit
+            && known >= settings.far_known
+            && p.alignment.matched_share() >= 0.5
+            && p.lead.is_none_or(|lead| lead >= settings.far_lead)
     }
 
     /// The motion so far, as an estimate for matching in the frame of the last pose; wide, because matching is asked
