@@ -238,7 +238,7 @@ impl Stage<'_> {
         let off_rad = turn_rad / (3.0 * usual.turn_rad * scale);
         let off_along = alignment
             .unobservable
-            .map_or(0.0, |d| off.dot(d) / (3.0 * predicted.sigma_m * scale));
+            .map_or(0.0, |d| off.dot(d) / (predicted.sigma_m * scale));
         (0.01 * (off_m * off_m + off_rad * off_rad + off_along * off_along)).min(0.15)
     }
 
