@@ -6,19 +6,20 @@
 //! drift has gathered. The map of all keyframes is made when it is asked for.
 
 use super::{Settings, Step};
-use crate::align::{Alignment, Information, SidePoint};
+use std::sync::Arc;
+
+use crate::align::{Alignment, Information};
 use crate::geometry::{Pose, wrap_rad};
-use crate::keyframe::Keyframe;
+use crate::keyframe::{Keyframe, Seen};
 use crate::loops::graph::{Edge, optimise};
 use crate::loops::ways::ways_m;
 use crate::loops::{RecogniseSettings, recognise};
 use crate::map::{EraserBox, Map};
-use crate::merge::eraser::{boxes, disordered_runs};
+use crate::merge::eraser::boxes;
 use crate::merge::finish::finish;
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::moving::find_moving;
 use crate::merge::{MergeReport, MergeSettings, merge, merge_all};
-use crate::scan::Scan;
 
 /// Keyframes within this way along the graph make up the map around, metres. Drift stays below the gate of merging.
 const LOCAL_M: f64 = 12.0;
@@ -39,7 +40,7 @@ const KEYFRAME_NEW_SHARE: f64 = 0.2;
 const KEYFRAME_SCANS: usize = 10;
 
 /// See the module.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Atlas {
     keyframes: Vec<Keyframe>,
     edges: Vec<Edge>,
@@ -97,14 +98,7 @@ impl Atlas {
     }
 
     /// Takes a scan in: moving objects are found, the rest is merged.
-    pub fn add_keyframe(
-        &mut self,
-        step: &mut Step,
-        scan: &Scan,
-        points: Vec<SidePoint>,
-        pose: Pose,
-        settings: &Settings,
-    ) {
+    pub fn add_keyframe(&mut self, step: &mut Step, seen: &Seen, pose: Pose, settings: &Settings) {
         if let Some(last) = self.keyframes.last() {
             let from = self.keyframes.len() - 1;
             let edge = edge_to_next(from, last.map_from_scan, pose, step.alignment.as_ref());
@@ -115,11 +109,11 @@ impl Atlas {
         }
         self.keyframes.push(Keyframe {
             number: step.scan,
-            scan: scan.clone(),
-            is_moving: vec![false; step.extraction.polylines.len()],
-            polylines: step.extraction.polylines.clone(),
-            points,
-            disordered_runs: disordered_runs(scan, step.extraction.noise_m, &settings.eraser),
+            scan: Arc::clone(&seen.scan),
+            is_moving: vec![false; seen.polylines.len()],
+            polylines: Arc::clone(&seen.polylines),
+            points: Arc::clone(&seen.points),
+            disordered_runs: Arc::clone(&seen.disordered_runs),
             map_from_scan: pose,
         });
         self.take_moving_out(step, settings);
