@@ -31,6 +31,8 @@ pub(crate) struct Keyframe {
     pub points: Arc<[SidePoint]>,
     /// Returns in a row that come from no stable shape, laser frame.
     pub disordered_runs: Arc<[Vec<Point>]>,
+    /// Way of the scanner up to here, metres.
+    pub way_m: f64,
     /// The scanner in the map.
     pub map_from_scan: Pose,
 }

@@ -124,7 +124,7 @@ const SAME_VIEW_M: f64 = 3.0;
 
 /// The middle of what a keyframe saw, map frame: two scans show the same walls when these are near, wherever the
 /// scanner stood.
-fn seen_around(keyframe: &Keyframe) -> Point {
+pub(crate) fn seen_around(keyframe: &Keyframe) -> Point {
     let sum = keyframe
         .points
         .iter()

@@ -8,9 +8,9 @@ use crate::geometry::wrap_rad;
 use crate::place::{Answer, Placement};
 
 /// A place is carried as an alternative when its merit comes so near the best one.
-const BRANCH_WITHIN: f64 = 0.10;
+const BRANCH_WITHIN: f64 = 0.25;
 /// A track ends when its merit lags so far behind the best one's.
-const END_BEHIND: f64 = 0.25;
+const END_BEHIND: f64 = 0.40;
 /// Tracks at the most.
 const MOST: usize = 4;
 /// After so many scans without decision, the best track is taken.

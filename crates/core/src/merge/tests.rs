@@ -34,6 +34,7 @@ fn keyframe(walls: &[Wall], map_from_scan: Pose) -> Keyframe {
         points: Arc::new([]),
         disordered_runs: Arc::new([]),
         scan: Arc::new(scan),
+        way_m: 0.0,
         map_from_scan,
     }
 }

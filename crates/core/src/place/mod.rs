@@ -82,7 +82,7 @@ impl Default for PlaceSettings {
             clear_lead: 0.15,
             window_m: 2.5,
             window_rad: 1.75,
-            merit_per_nat: 0.02,
+            merit_per_nat: 0.03,
             candidates: 8,
         }
     }

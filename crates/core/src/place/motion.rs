@@ -10,15 +10,18 @@ use std::collections::VecDeque;
 use crate::align::Guess;
 use crate::geometry::{Pose, wrap_rad};
 
+/// A log with more than one step in ten longer than this is one of keyframes, metres.
+const SMOOTH_STEP_M: f64 = 0.5;
 /// Steps that are remembered.
 const MEMORY: usize = 64;
 /// Shares of the density: going on as in the last step, any step as before, anything.
 const SHARE_GOING_ON: f64 = 0.5;
 const SHARE_AS_BEFORE: f64 = 0.4;
 const SHARE_ANYTHING: f64 = 0.1;
-/// Anything: standard deviations, metres and radians.
-const ANYTHING_M: f64 = 1.0;
-const ANYTHING_RAD: f64 = 0.6;
+/// Anything: standard deviations beside five times the usual surprise, metres and radians. A log of every scan does not
+/// jump by metres, one of keyframes may.
+const ANYTHING_M: f64 = 0.3;
+const ANYTHING_RAD: f64 = 0.3;
 
 /// The scanner's last pose and how it moved to it.
 #[derive(Clone, Debug)]
@@ -109,11 +112,14 @@ impl Motion {
 
     /// Whether scans follow each other so closely that the next is sure to lie near the predicted pose.
     pub fn is_smooth(&self) -> bool {
-        let step = self.expected_step();
+        let long = self
+            .steps
+            .iter()
+            .filter(|s| s.translation().norm() > SMOOTH_STEP_M);
         self.lost_scans == 0
             && self.usual.shift_m < 0.15
             && self.usual.turn_rad < 0.15
-            && step.translation().norm() < 0.5
+            && 10 * long.count() <= self.steps.len()
     }
 
     /// Where it is when it has stopped.
@@ -163,7 +169,7 @@ impl Motion {
             .map(|s| self.density(*s))
             .fold(0.0, f64::max);
         let ratio = (self.density(step) / peak).min(1.0);
-        ratio.ln() / (1.0 + f64::from(self.lost_scans))
+        ratio.max(1e-12).ln()
     }
 
     fn expected_step(&self) -> Pose {
@@ -179,9 +185,14 @@ impl Motion {
                 self.usual.turn_rad.max(spread(expected).1),
             ),
         };
+        let lost = 1.0 + f64::from(self.lost_scans);
+        let anything = (
+            lost * (ANYTHING_M + 5.0 * self.usual.shift_m),
+            lost * (ANYTHING_RAD + 5.0 * self.usual.turn_rad),
+        );
         SHARE_GOING_ON * gaussian(step, expected, going_on)
             + SHARE_AS_BEFORE * self.as_before_density(step)
-            + SHARE_ANYTHING * gaussian(step, expected, (ANYTHING_M, ANYTHING_RAD))
+            + SHARE_ANYTHING * gaussian(step, expected, anything)
     }
 
     fn as_before_density(&self, step: Pose) -> f64 {
