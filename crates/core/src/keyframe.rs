@@ -4,19 +4,16 @@
 use std::sync::Arc;
 
 use crate::align::SidePoint;
-use crate::extract::ScanPolyline;
+use crate::extract::{Extraction, ScanPolyline};
 use crate::geometry::{Point, Pose};
 use crate::scan::Scan;
 
 /// What a scan shows, wherever it is placed.
-#[derive(Clone, Debug)]
-pub(crate) struct Seen {
-    pub scan: Arc<Scan>,
-    pub polylines: Arc<[ScanPolyline]>,
-    /// The returns on them.
+pub(crate) struct Seen<'a> {
+    pub scan: &'a Scan,
+    pub extraction: Arc<Extraction>,
+    /// The returns on its polylines.
     pub points: Arc<[SidePoint]>,
-    /// Returns in a row that come from no stable shape, laser frame.
-    pub disordered_runs: Arc<[Vec<Point>]>,
 }
 
 /// A scan that is part of the map.
@@ -25,7 +22,7 @@ pub(crate) struct Keyframe {
     /// Number of the scan in the log.
     pub number: usize,
     pub scan: Arc<Scan>,
-    pub polylines: Arc<[ScanPolyline]>,
+    pub extraction: Arc<Extraction>,
     /// Which of the polylines belong to moving objects, and are not merged.
     pub is_moving: Vec<bool>,
     pub points: Arc<[SidePoint]>,
@@ -40,7 +37,8 @@ pub(crate) struct Keyframe {
 impl Keyframe {
     /// The polylines that are merged.
     pub fn standing_polylines(&self) -> impl Iterator<Item = &ScanPolyline> {
-        self.polylines
+        self.extraction
+            .polylines
             .iter()
             .zip(&self.is_moving)
             .filter(|(_, moving)| !**moving)

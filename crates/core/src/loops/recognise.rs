@@ -186,7 +186,7 @@ impl Place {
         let mut owner = 0;
         for k in stretch(keyframes, middle, stretch_m, |_| true) {
             let keyframe = &keyframes[k];
-            for polyline in keyframe.polylines.iter() {
+            for polyline in &keyframe.extraction.polylines {
                 sides.insert(
                     owner,
                     keyframe.map_from_scan.transform(polyline.polyline.vertices()),

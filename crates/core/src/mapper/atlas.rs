@@ -15,7 +15,7 @@ use crate::loops::graph::{Edge, optimise};
 use crate::loops::ways::ways_m;
 use crate::loops::{RecogniseSettings, recognise, seen_around};
 use crate::map::{EraserBox, Map};
-use crate::merge::eraser::boxes;
+use crate::merge::eraser::{boxes, disordered_runs};
 use crate::merge::finish::finish;
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::moving::find_moving;
@@ -123,11 +123,11 @@ impl Atlas {
         self.keyframes.push(Keyframe {
             way_m,
             number: step.scan,
-            scan: Arc::clone(&seen.scan),
-            is_moving: vec![false; seen.polylines.len()],
-            polylines: Arc::clone(&seen.polylines),
+            scan: Arc::new(seen.scan.clone()),
+            is_moving: vec![false; seen.extraction.polylines.len()],
+            extraction: Arc::clone(&seen.extraction),
             points: Arc::clone(&seen.points),
-            disordered_runs: Arc::clone(&seen.disordered_runs),
+            disordered_runs: disordered_runs(seen.scan, seen.extraction.noise_m, &settings.eraser).into(),
             map_from_scan: pose,
         });
         self.tie(step);

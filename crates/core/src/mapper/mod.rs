@@ -40,7 +40,6 @@ use crate::extract::{ExtractSettings, Extraction, RunningNoise, extract};
 use crate::geometry::Pose;
 use crate::keyframe::Seen;
 use crate::map::Map;
-use crate::merge::eraser::disordered_runs;
 use crate::place::Answer;
 use crate::scan::Scan;
 use track::Track;
@@ -93,8 +92,13 @@ impl Mapper {
         enter(Stage::Extract);
         let number = self.next;
         self.next += 1;
-        let extraction = self.extract(scan);
-        let seen = self.see(scan, &extraction);
+        let extraction = Arc::new(self.extract(scan));
+        let points = side_points(scan, &extraction.polylines, extraction.noise_m);
+        let seen = Seen {
+            scan,
+            extraction: Arc::clone(&extraction),
+            points: points.into(),
+        };
         if seen.points.len() < LEAST_POINTS {
             self.tracks
                 .iter_mut()
@@ -120,7 +124,7 @@ impl Mapper {
                 self.tracks[way.track].clone()
             };
             track.merit = way.merit;
-            let mut step = Step::new(number, extraction.clone(), NotPlaced::NoMatch);
+            let mut step = Step::new(number, Arc::clone(&extraction), NotPlaced::NoMatch);
             step.tell(&answers[way.track], way.placement.as_ref());
             self.go_on(&mut track, &mut step, way, &seen, odometry, enter);
             tracks.push(track);
@@ -171,15 +175,6 @@ impl Mapper {
                 ..self.settings.extract
             },
         )
-    }
-
-    fn see(&self, scan: &Scan, extraction: &Extraction) -> Seen {
-        Seen {
-            points: side_points(scan, &extraction.polylines, extraction.noise_m).into(),
-            polylines: extraction.polylines.clone().into(),
-            disordered_runs: disordered_runs(scan, extraction.noise_m, &self.settings.eraser).into(),
-            scan: Arc::new(scan.clone()),
-        }
     }
 
     /// What became of every scan so far, in the map frame as it is now.

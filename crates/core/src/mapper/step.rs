@@ -1,3 +1,5 @@
+use std::sync::Arc;
+
 use crate::align::Alignment;
 use crate::extract::Extraction;
 use crate::geometry::{Polyline, Pose};
@@ -81,7 +83,7 @@ pub struct Step {
     /// What became of it.
     pub outcome: Outcome,
     /// Its polylines, laser frame.
-    pub extraction: Extraction,
+    pub extraction: Arc<Extraction>,
     /// The virtual scan, frame of the last placed scan, when the predicted pose did not settle the place.
     pub virtual_scan: Option<Vec<Polyline>>,
     /// The matching by shape of the polylines with the virtual scan.
@@ -106,7 +108,7 @@ pub struct Step {
 
 impl Step {
     /// A scan that has no place so far.
-    pub(super) fn new(scan: usize, extraction: Extraction, reason: NotPlaced) -> Self {
+    pub(super) fn new(scan: usize, extraction: Arc<Extraction>, reason: NotPlaced) -> Self {
         Self {
             scan,
             outcome: Outcome::NotPlaced { reason },

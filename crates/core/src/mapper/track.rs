@@ -42,7 +42,7 @@ impl Track {
         }
         let question = Question {
             points: &seen.points,
-            polylines: &seen.polylines,
+            polylines: &seen.extraction.polylines,
             map: self.atlas.local(),
             merged_into: self.atlas.merged_into(),
             motion: &motion,

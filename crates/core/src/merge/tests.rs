@@ -26,11 +26,11 @@ fn keyframe(walls: &[Wall], map_from_scan: Pose) -> Keyframe {
         })
         .collect();
     let scan = Scan::new(geometry, ranges_m).unwrap();
-    let polylines: Arc<[_]> = extract(&scan, &ExtractSettings::default()).polylines.into();
+    let extraction = extract(&scan, &ExtractSettings::default());
     Keyframe {
         number: 0,
-        is_moving: vec![false; polylines.len()],
-        polylines,
+        is_moving: vec![false; extraction.polylines.len()],
+        extraction: Arc::new(extraction),
         points: Arc::new([]),
         disordered_runs: Arc::new([]),
         scan: Arc::new(scan),
