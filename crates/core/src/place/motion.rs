@@ -159,17 +159,20 @@ impl Motion {
     }
 
     /// How likely a pose is to be the next, against the likeliest one: the natural logarithm of the ratio of the
-    /// densities, at most 0.
-    pub fn log_likelihood(&self, pose: Pose) -> f64 {
+    /// densities, at most 0. `peak` is [`Self::peak`].
+    pub fn log_likelihood(&self, pose: Pose, peak: f64) -> f64 {
         let step = self.map_from_scan.inverse() * pose;
-        let peak = self
-            .steps
+        let ratio = (self.density(step) / peak).min(1.0);
+        ratio.max(1e-12).ln()
+    }
+
+    /// Density of the likeliest step.
+    pub fn peak(&self) -> f64 {
+        self.steps
             .iter()
             .chain([&self.expected_step()])
             .map(|s| self.density(*s))
-            .fold(0.0, f64::max);
-        let ratio = (self.density(step) / peak).min(1.0);
-        ratio.max(1e-12).ln()
+            .fold(0.0, f64::max)
     }
 
     fn expected_step(&self) -> Pose {
