@@ -4,6 +4,7 @@
 //! content and gives the scans one by one, with memory that does not depend on the length of the log.
 //! Out come the files of a build. What is done with the scans is no matter of this crate.
 
+mod compression;
 mod input;
 mod lines;
 pub mod log;

@@ -324,7 +324,9 @@ fn what_is_no_log_is_told_apart() {
         "3 lines: no scan in it; it holds 2 ODOM",
     );
     assert!(error(&folder.path().join("none.log")).ends_with("none.log: no such file"));
-    assert!(error(folder.path()).contains("is a directory"));
+    let inner = folder.path().join("inner");
+    std::fs::create_dir(&inner).unwrap();
+    assert!(error(&inner).contains("is a directory"));
 }
 
 #[test]
