@@ -77,14 +77,17 @@ pub enum Command {
 /// Which log, and what of it.
 #[derive(clap::Args)]
 pub struct LogArgs {
-    /// Laser log, plain or gzip; `-` is standard input
+    /// Laser log, plain or packed, or a folder with its parts; `-` is standard input
     pub log: PathBuf,
     /// Use the poses in the log (they are not read unless told)
     #[arg(long)]
     pub use_odometry: bool,
-    /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
-    #[arg(long, value_name = "KIND")]
+    /// Topic or kind of message to read, such as /scan or RLASER, where the log has several lasers [default: the best]
+    #[arg(long, visible_alias = "topic", value_name = "NAME")]
     pub laser: Option<String>,
+    /// Read on behind a place where the recording does not hang together
+    #[arg(long)]
+    pub salvage: bool,
 }
 
 impl LogArgs {
@@ -92,6 +95,8 @@ impl LogArgs {
         ReadOptions {
             use_odometry: self.use_odometry,
             laser: self.laser.clone(),
+            salvage: self.salvage,
+            ..ReadOptions::default()
         }
     }
 }
@@ -107,10 +112,10 @@ pub struct BuildArgs {
 
 #[derive(clap::Args)]
 pub struct ExtractArgs {
-    /// Laser log, plain or gzip; `-` is standard input
+    /// Laser log, plain or packed, or a folder with its parts; `-` is standard input
     pub log: PathBuf,
-    /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
-    #[arg(long, value_name = "KIND")]
+    /// Topic or kind of message to read, such as /scan or RLASER, where the log has several lasers [default: the best]
+    #[arg(long, visible_alias = "topic", value_name = "NAME")]
     pub laser: Option<String>,
     /// File for the polylines; `-` is standard output
     #[arg(short, long, value_name = "FILE", default_value = "-")]
@@ -122,13 +127,13 @@ pub struct ExtractArgs {
 
 #[derive(clap::Args)]
 pub struct FiguresArgs {
-    /// Laser log, plain or gzip; `-` is standard input
+    /// Laser log, plain or packed, or a folder with its parts; `-` is standard input
     pub log: PathBuf,
     /// Folder for the figures; made if it is not there
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
-    #[arg(long, value_name = "KIND")]
+    /// Topic or kind of message to read, such as /scan or RLASER, where the log has several lasers [default: the best]
+    #[arg(long, visible_alias = "topic", value_name = "NAME")]
     pub laser: Option<String>,
     /// Scan of fig2, counted from 0 [default: one with many vertices close by]
     #[arg(long, value_name = "K")]
@@ -146,8 +151,8 @@ pub struct MatchArgs {
     /// Second scan: LOG:SCAN, or a log of one scan
     #[arg(value_name = "B")]
     pub second: ScanPlace,
-    /// Kind of message to read, such as RLASER, where a log has several lasers [default: the front laser]
-    #[arg(long, value_name = "KIND")]
+    /// Topic or kind of message to read, such as /scan or RLASER, where a log has several lasers [default: the best]
+    #[arg(long, visible_alias = "topic", value_name = "NAME")]
     pub laser: Option<String>,
     /// Picture of the two scans and their correspondences
     #[arg(long, value_name = "FILE")]

@@ -21,7 +21,7 @@ pub struct Reading {
 impl Reading {
     /// Whether something of the log was not used.
     pub fn has_loss(&self) -> bool {
-        self.partial.is_some() || self.tally.bad_scans > 0
+        self.partial.is_some() || self.tally.lost.is_some() || self.tally.bad_scans > 0
     }
 }
 
@@ -73,6 +73,9 @@ pub fn for_each(
         ));
     }
     let tally = log.tally();
+    if let Some(lost) = &tally.lost {
+        progress.say(format_args!("warning: {}: {lost}", log.name()));
+    }
     for note in &tally.notes {
         progress.say(format_args!("note: {note}"));
     }

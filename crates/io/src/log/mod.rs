@@ -8,11 +8,15 @@
 //! A format is one module with two functions, `recognise` (does the head look like mine?) and `open`,
 //! listed in `FORMATS`.
 
+mod bag;
 mod carmen;
+mod db3;
 mod error;
 mod folder;
 mod keeper;
+mod mcap;
 mod number;
+mod ros;
 
 use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
@@ -37,6 +41,8 @@ pub struct ReadOptions {
     /// Message kind (`RLASER`) or topic (`/rear_scan`) of the laser to read, where the log has several; the best
     /// one unless told.
     pub laser: Option<String>,
+    /// Read on behind a place where a recording does not hang together, as far as that can be told.
+    pub salvage: bool,
     /// Hand out the ranges as they stand in the log, too.
     pub keep_raw: bool,
 }
@@ -101,6 +107,8 @@ pub struct Tally {
     pub other_messages: BTreeMap<String, u64>,
     /// Why those are not used, by the same names; only where there is more to say than that they are no scans.
     pub reasons: BTreeMap<String, String>,
+    /// What of the log was not read although it does not break off, in words for the user.
+    pub lost: Option<String>,
     /// What was assumed, in words for the user.
     pub notes: Vec<String>,
 }
@@ -123,12 +131,32 @@ struct Format {
 }
 
 /// Asked in order; the first that recognises the content reads it.
-const FORMATS: &[Format] = &[Format {
-    name: "CARMEN",
-    unit: Unit::Line,
-    recognise: carmen::recognise,
-    open: carmen::open,
-}];
+const FORMATS: &[Format] = &[
+    Format {
+        name: "ROS 1 bag",
+        unit: Unit::Message,
+        recognise: bag::recognise,
+        open: bag::open,
+    },
+    Format {
+        name: "MCAP",
+        unit: Unit::Message,
+        recognise: mcap::recognise,
+        open: mcap::open,
+    },
+    Format {
+        name: "ROS 2 sqlite3",
+        unit: Unit::Message,
+        recognise: db3::recognise,
+        open: db3::open,
+    },
+    Format {
+        name: "CARMEN",
+        unit: Unit::Line,
+        recognise: carmen::recognise,
+        open: carmen::open,
+    },
+];
 
 fn recognised(head: &[u8]) -> Option<&'static Format> {
     FORMATS.iter().find(|f| (f.recognise)(head))

@@ -32,6 +32,7 @@ pub fn run(args: &FiguresArgs) -> anyhow::Result<Finish> {
     let options = ReadOptions {
         use_odometry: true,
         laser: args.laser.clone(),
+        ..ReadOptions::default()
     };
     let mut log = scans::open(&args.log, options)?;
     let survey = Survey::take(&mut log, &Interrupt::listen()?)?;
