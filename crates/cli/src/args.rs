@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand};
-use polymapper_io::log::ReadOptions;
+use polymapper_io::log::{Layout, ReadOptions};
 use polymapper_sim::{PlanKind, ScannerKind};
 
 /// A polygonal map from 2D laser scans, without odometry.
@@ -88,6 +88,9 @@ pub struct LogArgs {
     /// Read on behind a place where the recording does not hang together
     #[arg(long)]
     pub salvage: bool,
+    /// What the columns of a text file are, such as "stamp_ms range_mm*360 first_deg=0 step_deg=-1" (see docs/logs.md)
+    #[arg(long, value_name = "WORDS")]
+    pub layout: Option<Layout>,
 }
 
 impl LogArgs {
@@ -96,6 +99,7 @@ impl LogArgs {
             use_odometry: self.use_odometry,
             laser: self.laser.clone(),
             salvage: self.salvage,
+            layout: self.layout.clone(),
             ..ReadOptions::default()
         }
     }

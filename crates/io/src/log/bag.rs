@@ -272,19 +272,13 @@ impl BagMessages {
             ));
             return self.skip(needed).map(|()| true);
         }
-        let more = self.next_is_record(needed)?;
-        if more {
+        self.skip(needed)?;
+        if self.read_head()? && Head(&self.record.head).byte("op") == Some(op::CHUNK) {
             self.lost = Some(format!(
                 "an index at byte {place} says {bytes} bytes and has entries of {needed}: what follows is not read; --salvage reads it"
             ));
         }
         Ok(false)
-    }
-
-    /// Whether something like a record stands `bytes` bytes ahead; those bytes are gone afterwards.
-    fn next_is_record(&mut self, bytes: u64) -> io::Result<bool> {
-        self.skip(bytes)?;
-        Ok(!self.layer.stream()?.fill_buf()?.is_empty())
     }
 
     fn read_connection(&mut self, data_bytes: u32) -> io::Result<()> {

@@ -61,6 +61,14 @@ pub enum LogError {
         /// The formats that are known.
         formats: String,
     },
+    /// Ranges, but nothing that says where they look.
+    #[error(
+        "{name}: nothing says at which bearings its ranges were measured; tell it, such as `--layout \"range_m* first_deg=-90 step_deg=0.5\"`"
+    )]
+    NoBearings {
+        /// Name of the file.
+        name: String,
+    },
     /// A log without a line of the laser.
     #[error("{name}, {lines} {}s: no scan in it{others}", unit)]
     NoScan {
@@ -102,7 +110,7 @@ impl LogError {
             let bytes: Vec<String> = head.iter().take(8).map(|b| format!("{b:02x}")).collect();
             format!("binary data, {} ..", bytes.join(" "))
         };
-        let formats: Vec<&str> = super::FORMATS.iter().map(|f| f.name).collect();
+        let formats: Vec<&str> = super::FORMATS.iter().chain([&super::COLUMNS]).map(|f| f.name).collect();
         Self::Unrecognised {
             name,
             found,

@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{Format, LogError, MAX_NAMES, recognised};
+use super::{Format, LogError, MAX_NAMES, ReadOptions, format_of};
 use crate::input::Input;
 
 /// The first part, opened, and what follows.
@@ -23,7 +23,7 @@ pub(super) struct Found {
 ///
 /// # Errors
 /// A folder that cannot be read or has no log in it.
-pub(super) fn first_part(folder: &Path) -> Result<Found, LogError> {
+pub(super) fn first_part(folder: &Path, options: &ReadOptions) -> Result<Found, LogError> {
     let mut parts = files(folder).map_err(|source| LogError::Unreadable {
         name: folder.display().to_string(),
         source,
@@ -31,7 +31,7 @@ pub(super) fn first_part(folder: &Path) -> Result<Found, LogError> {
     let mut notes = Vec::new();
     while let Some(path) = parts.pop_front() {
         match Input::open(&path) {
-            Ok(input) if recognised(&input.head).is_some() => {
+            Ok(input) if format_of(&input.head, options).is_some() => {
                 let rest = parts;
                 return Ok(Found { input, rest, notes });
             }
@@ -45,9 +45,9 @@ pub(super) fn first_part(folder: &Path) -> Result<Found, LogError> {
 }
 
 /// Opens a part that is to be of `format`; the error says why it is left out.
-pub(super) fn open_part(path: &Path, format: &Format) -> Result<Input, String> {
+pub(super) fn open_part(path: &Path, format: &Format, options: &ReadOptions) -> Result<Input, String> {
     let input = Input::open(path).map_err(|error| error.to_string())?;
-    match recognised(&input.head) {
+    match format_of(&input.head, options) {
         Some(found) if found.name == format.name => Ok(input),
         Some(found) => Err(format!(
             "it is {}, the files before it are {}",

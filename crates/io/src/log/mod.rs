@@ -10,6 +10,7 @@
 
 mod bag;
 mod carmen;
+mod columns;
 mod db3;
 mod error;
 mod folder;
@@ -26,6 +27,7 @@ use polymapper_core::scan::Scan;
 
 use crate::input::Input;
 pub use crate::input::ReadProgress;
+pub use columns::{Layout, LayoutError};
 pub use error::{LineFault, LogError, Unit};
 
 /// More beams than any 2D scanner has a turn; keeps a hostile header from costing memory.
@@ -34,13 +36,15 @@ const MAX_BEAMS: usize = 65_536;
 const MAX_NAMES: usize = 64;
 
 /// What is read from a log.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// Hand out the poses that the log holds. Without it they are not even parsed.
     pub use_odometry: bool,
     /// Message kind (`RLASER`) or topic (`/rear_scan`) of the laser to read, where the log has several; the best
     /// one unless told.
     pub laser: Option<String>,
+    /// What the columns of a text file are; told by the file unless given.
+    pub layout: Option<Layout>,
     /// Read on behind a place where a recording does not hang together, as far as that can be told.
     pub salvage: bool,
     /// Hand out the ranges as they stand in the log, too.
@@ -158,8 +162,19 @@ const FORMATS: &[Format] = &[
     },
 ];
 
-fn recognised(head: &[u8]) -> Option<&'static Format> {
-    FORMATS.iter().find(|f| (f.recognise)(head))
+static COLUMNS: Format = Format {
+    name: "text with a scan in a line",
+    unit: Unit::Line,
+    recognise: columns::recognise,
+    open: columns::open,
+};
+
+/// The format of a file that begins with `head`; a declared layout settles it.
+fn format_of(head: &[u8], options: &ReadOptions) -> Option<&'static Format> {
+    if options.layout.is_some() && !head.contains(&0) {
+        return Some(&COLUMNS);
+    }
+    FORMATS.iter().chain([&COLUMNS]).find(|f| (f.recognise)(head))
 }
 
 /// An opened log: an iterator over its laser lines.
@@ -172,6 +187,7 @@ pub struct Log {
     progress: ReadProgress,
     /// Files that follow, where the log is a folder.
     parts: VecDeque<PathBuf>,
+    options: ReadOptions,
     notes: Vec<String>,
     ended: bool,
 }
@@ -186,7 +202,7 @@ pub fn open(path: &Path, options: ReadOptions) -> Result<Log, LogError> {
         return open_input(Input::open(path)?, &options);
     }
     let name = path.display().to_string();
-    let found = folder::first_part(path)?;
+    let found = folder::first_part(path, &options)?;
     let mut log = open_input(found.input, &options)?;
     log.name = name;
     log.parts = found.rest;
@@ -215,7 +231,7 @@ pub fn open_reader(
 }
 
 fn open_input(input: Input, options: &ReadOptions) -> Result<Log, LogError> {
-    let Some(format) = recognised(&input.head) else {
+    let Some(format) = format_of(&input.head, options) else {
         return Err(LogError::unrecognised(input.name, &input.head));
     };
     let name = input.name.clone();
@@ -229,6 +245,7 @@ fn open_input(input: Input, options: &ReadOptions) -> Result<Log, LogError> {
         compression,
         progress,
         parts: VecDeque::new(),
+        options: options.clone(),
         notes: Vec::new(),
         ended: false,
     })
@@ -276,7 +293,7 @@ impl Log {
     /// Goes on to the next part; `false` when there is none.
     fn next_part(&mut self) -> Result<bool, LogError> {
         while let Some(path) = self.parts.pop_front() {
-            let opened = folder::open_part(&path, self.format);
+            let opened = folder::open_part(&path, self.format, &self.options);
             match opened {
                 Ok(input) => {
                     input.name.clone_into(&mut self.place);
