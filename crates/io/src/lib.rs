@@ -5,7 +5,9 @@
 //! Out come the files of a build. What is done with the scans is no matter of this crate.
 
 mod compression;
+pub mod convert;
 mod input;
+pub mod inspect;
 mod lines;
 pub mod log;
 pub mod out;

@@ -28,7 +28,7 @@ use crate::{Finish, memory, pictures};
 /// Runs the command.
 pub fn run(args: &BuildArgs) -> anyhow::Result<Finish> {
     prepare_folder(&args.output)?;
-    let log = scans::open(&args.log.log, args.log.read_options())?;
+    let log = scans::open(&args.log.choice.log, args.log.read_options())?;
     let odometry_used = args.log.use_odometry;
     build(
         log,

@@ -188,3 +188,20 @@ pub enum LineFault {
     #[error(transparent)]
     Geometry(#[from] ScanError),
 }
+
+impl LineFault {
+    /// A short name of the kind of fault, to count by.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::TooLong { .. } => "too long",
+            Self::NotText => "not text",
+            Self::NotANumber { .. } => "not a number",
+            Self::Beams { .. } => "number of beams",
+            Self::BeamCount { .. } => "beams and header disagree",
+            Self::Cut { .. } => "cut",
+            Self::Malformed { .. } => "malformed",
+            Self::Geometry(_) => "bearings",
+        }
+    }
+}
