@@ -17,6 +17,7 @@ mod folder;
 mod keeper;
 mod mcap;
 mod number;
+mod rawlog;
 mod ros;
 
 use std::collections::{BTreeMap, VecDeque};
@@ -153,6 +154,12 @@ const FORMATS: &[Format] = &[
         unit: Unit::Message,
         recognise: db3::recognise,
         open: db3::open,
+    },
+    Format {
+        name: "MRPT rawlog",
+        unit: Unit::Message,
+        recognise: rawlog::recognise,
+        open: rawlog::open,
     },
     Format {
         name: "CARMEN",

@@ -27,6 +27,7 @@ use choice::Lasers;
 use messages::{LaserScan, Odometry, read_transforms};
 use mount::Mounts;
 use odometry::Track;
+pub(super) use transform::Transform;
 pub(super) use wire::Encoding;
 
 /// A longer message is no scan, transform or pose; nothing longer is taken into memory.
