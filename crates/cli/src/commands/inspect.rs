@@ -9,6 +9,9 @@ use polymapper_io::log::ReadOptions;
 use crate::args::InspectArgs;
 use crate::{Finish, scans};
 
+/// Kinds of geometry that are told one by one.
+const KINDS_TOLD: usize = 4;
+
 /// Runs the command.
 pub fn run(args: &InspectArgs) -> anyhow::Result<Finish> {
     let options = ReadOptions {
@@ -44,7 +47,7 @@ fn write(out: &mut impl Write, found: &Inspection) -> io::Result<()> {
     )?;
     let laser = found.laser.as_ref().map_or(String::new(), |l| format!(" of {l}"));
     writeln!(out, "scans       {}{laser}", found.scans)?;
-    for (k, geometry) in found.geometries.iter().enumerate() {
+    for (k, geometry) in found.geometries.iter().take(KINDS_TOLD).enumerate() {
         let last_deg = geometry.first_deg + geometry.step_deg * (geometry.beams - 1) as f64;
         writeln!(
             out,
@@ -60,8 +63,10 @@ fn write(out: &mut impl Write, found: &Inspection) -> io::Result<()> {
             }
         )?;
     }
-    if found.more_geometries > 0 {
-        writeln!(out, "            others ({} scans)", found.more_geometries)?;
+    let untold = found.geometries.iter().skip(KINDS_TOLD).map(|g| g.scans);
+    let others = untold.sum::<usize>() + found.more_geometries;
+    if others > 0 {
+        writeln!(out, "            others ({others} scans)")?;
     }
     write_ranges(out, found)?;
     match &found.stamps {
@@ -120,6 +125,7 @@ fn write_ranges(out: &mut impl Write, found: &Inspection) -> io::Result<()> {
 fn write_stamps(out: &mut impl Write, stamps: &Stamps, scans: usize) -> io::Result<()> {
     write!(out, "stamps      {:.3} to {:.3} s", stamps.first_s, stamps.last_s)?;
     match stamps.median_step_s {
+        Some(_) if stamps.are_useless() => write!(out, ", useless: most are no later than the one before")?,
         Some(step_s) => write!(out, ", {:.1} Hz", 1.0 / step_s)?,
         None => write!(out, ", useless: none is later than the one before")?,
     }

@@ -1,11 +1,12 @@
-//! MCAP with the messages of ROS 2, in chunks of 1 MB; the odometry of a scan stands before it.
+//! MCAP with the messages of ROS 2, in chunks of 1 MB, not packed (as `ros2 bag record` writes it); the
+//! odometry of a scan stands before it.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
-use mcap::{Compression, WriteOptions, Writer};
+use mcap::{WriteOptions, Writer};
 
 use super::ScanWriter;
 use super::ros2::{Definition, LASER_SCAN, ODOMETRY, Time, laser_scan, odometry};
@@ -24,7 +25,7 @@ impl<W: Write> McapWriter<W> {
         let options = WriteOptions::new()
             .profile("ros2")
             .library(concat!("polymapper ", env!("CARGO_PKG_VERSION")))
-            .compression(Some(Compression::Lz4))
+            .compression(None)
             .disable_seeking(true);
         let mut writer = options.create(NoSeek::new(out)).map_err(io::Error::other)?;
         let topic = if topic.starts_with('/') { topic } else { "/scan" };

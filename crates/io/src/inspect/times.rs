@@ -34,6 +34,14 @@ pub struct Stamps {
     pub longest_gap: Option<Gap>,
 }
 
+impl Stamps {
+    /// Whether most stamps are not later than the one before, so that they tell no times.
+    #[must_use]
+    pub fn are_useless(&self) -> bool {
+        2 * (self.backwards + self.repeated) >= self.stamped
+    }
+}
+
 /// A time without scans.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Gap {

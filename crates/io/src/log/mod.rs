@@ -14,6 +14,7 @@ mod columns;
 mod db3;
 mod error;
 mod folder;
+mod json_lines;
 mod keeper;
 mod mcap;
 mod number;
@@ -160,6 +161,12 @@ const FORMATS: &[Format] = &[
         unit: Unit::Message,
         recognise: rawlog::recognise,
         open: rawlog::open,
+    },
+    Format {
+        name: "JSON lines",
+        unit: Unit::Line,
+        recognise: json_lines::recognise,
+        open: json_lines::open,
     },
     Format {
         name: "CARMEN",

@@ -11,7 +11,7 @@ mod line;
 mod uneven;
 
 use polymapper_core::geometry::Pose;
-use polymapper_core::scan::NoReturnCode;
+use polymapper_core::scan::{NoReturnCode, ScanGeometry};
 
 use super::keeper::{Keeper, Reading};
 use super::{Entry, LineFault, LogError, ReadOptions, ScanReader, Tally, Unit};
@@ -19,8 +19,7 @@ use crate::input::Input;
 use crate::lines::{Line, Lines, MAX_LINE_BYTES};
 use known::KNOWN;
 pub use layout::{Layout, LayoutError};
-use line::Parsed;
-pub(super) use uneven::even_scan;
+pub(super) use uneven::EvenBearings;
 
 /// Lines of scans that must fit a known layout.
 const LINES_TRIED: usize = 3;
@@ -89,6 +88,7 @@ pub(super) fn open(input: Input, options: &ReadOptions) -> Result<Box<dyn ScanRe
         layout,
         pose: None,
         no_return: NoReturnCode::default(),
+        even: EvenBearings::default(),
         ended: false,
         keeper,
         lines_before: 0,
@@ -103,6 +103,7 @@ struct ColumnsReader {
     /// Of the last line with a pose.
     pose: Option<Pose>,
     no_return: NoReturnCode,
+    even: EvenBearings,
     ended: bool,
     keeper: Keeper,
     lines_before: u64,
@@ -145,9 +146,26 @@ impl ScanReader for ColumnsReader {
                 Kind::Scan => {
                     let parsed = line::parse(text, &self.layout);
                     let pose = self.pose.take();
-                    let reading = parsed.and_then(|p| {
-                        let pose = if self.use_odometry { p.pose.or(pose) } else { None };
-                        reading(p, pose, &self.layout, &mut self.no_return, &mut self.keeper)
+                    let reading = parsed.and_then(|mut p| {
+                        p.pose = p.pose.or(pose).filter(|_| self.use_odometry);
+                        let (geometry, ranges_m) = if p.bearings_rad.is_empty() {
+                            with_bearings(p.ranges_m, &self.layout)?
+                        } else {
+                            let note = "readings with a bearing each, put onto evenly spaced bearings";
+                            self.keeper.note(note.to_owned());
+                            self.even
+                                .scan(p.bearings_rad.into_iter().zip(p.ranges_m).collect())?
+                        };
+                        let max_m = self.layout.max_m.or_else(|| {
+                            self.no_return.observe(&ranges_m);
+                            self.no_return.from_m()
+                        });
+                        Ok(Reading {
+                            geometry: max_m.map_or(geometry, |m| geometry.with_limits(0.0, m)),
+                            ranges_m,
+                            stamp_s: p.stamp_s,
+                            odometry: p.pose,
+                        })
                     });
                     return Some(Ok(self.keeper.entry(number, reading)));
                 }
@@ -216,43 +234,14 @@ fn as_text<'a>(line: &Line<'a>) -> Result<&'a str, LineFault> {
     std::str::from_utf8(line.bytes).map_err(|_| LineFault::NotText)
 }
 
-fn reading(
-    parsed: Parsed,
-    odometry: Option<Pose>,
+/// Ranges with the bearings that the layout gives them.
+fn with_bearings(
+    mut ranges_m: Vec<f64>,
     layout: &Layout,
-    no_return: &mut NoReturnCode,
-    keeper: &mut Keeper,
-) -> Result<Reading, LineFault> {
-    let Parsed {
-        stamp_s,
-        mut ranges_m,
-        bearings_rad,
-        ..
-    } = parsed;
-    let mut geometry = if bearings_rad.is_empty() {
-        let (geometry, turned) = layout.bearings.geometry(ranges_m.len())?;
-        if turned {
-            ranges_m.reverse();
-        }
-        geometry
-    } else {
-        let measured = bearings_rad.into_iter().zip(ranges_m).collect();
-        let (geometry, even_m) = even_scan(measured)?;
-        keeper.note("readings with a bearing each, put onto evenly spaced bearings".to_owned());
-        ranges_m = even_m;
-        geometry
-    };
-    let max_m = layout.max_m.or_else(|| {
-        no_return.observe(&ranges_m);
-        no_return.from_m()
-    });
-    if let Some(max_m) = max_m {
-        geometry = geometry.with_limits(0.0, max_m);
+) -> Result<(ScanGeometry, Vec<f64>), LineFault> {
+    let (geometry, turned) = layout.bearings.geometry(ranges_m.len())?;
+    if turned {
+        ranges_m.reverse();
     }
-    Ok(Reading {
-        geometry,
-        ranges_m,
-        stamp_s,
-        odometry,
-    })
+    Ok((geometry, ranges_m))
 }

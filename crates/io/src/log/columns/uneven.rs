@@ -1,12 +1,14 @@
 //! Readings at uneven bearings, put onto even ones.
 //!
 //! In go bearings and ranges in any order, out come an evenly spaced geometry and its ranges. The step is the median
-//! distance of neighbouring bearings. Between two readings on one surface the range is that of the straight line
-//! through both points, so that walls stay where they are; elsewhere it is that of the nearest reading, if that is
-//! within half a step.
+//! distance of neighbouring bearings of the first scan; later scans keep it, and bearings are multiples of it, so that
+//! all have beams in common. Between two readings on one surface the range is that of the straight line through both
+//! points, so that walls stay where they are; elsewhere it is that of the nearest reading, if that is within half a
+//! step.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
+use polymapper_core::geometry::wrap_rad;
 use polymapper_core::scan::ScanGeometry;
 
 use crate::log::{LineFault, MAX_BEAMS};
@@ -15,58 +17,87 @@ use crate::log::{LineFault, MAX_BEAMS};
 const EVEN: f64 = 0.02;
 /// Neighbours farther apart than this many steps have a missing reading between them.
 const MOST_APART: f64 = 1.75;
+/// Readings that would fill this share of a turn, one a step, go all the way round.
+const WHOLE_TURN: f64 = 0.85;
 /// Ranges of one surface differ by less than this share of them, and [`SAME_SURFACE_M`].
 const SAME_SURFACE: f64 = 0.1;
 const SAME_SURFACE_M: f64 = 0.05;
 
-/// The scan of `readings`, pairs of bearing in radians and range in metres; bearings are finite.
-///
-/// # Errors
-/// Bearings that go round more than once, or all are the same.
-pub(in crate::log) fn even_scan(
-    mut readings: Vec<(f64, f64)>,
-) -> Result<(ScanGeometry, Vec<f64>), LineFault> {
+/// The even bearings of a log.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::log) struct EvenBearings {
+    step_rad: Option<f64>,
+}
+
+impl EvenBearings {
+    /// The scan of `readings`, pairs of bearing in radians and range in metres; bearings are finite.
+    ///
+    /// # Errors
+    /// Fewer than two readings, bearings that are all the same, or go round more than once.
+    pub fn scan(&mut self, mut readings: Vec<(f64, f64)>) -> Result<(ScanGeometry, Vec<f64>), LineFault> {
+        readings.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let [(first_rad, _), .., (last_rad, _)] = readings[..] else {
+            return Err(LineFault::Beams {
+                header: readings.len() as u64,
+                limit: MAX_BEAMS,
+            });
+        };
+        let span_rad = last_rad - first_rad;
+        let median_rad = median_step_rad(&readings);
+        let is_even = |(k, r): (usize, &(f64, f64))| {
+            (r.0 - first_rad - k as f64 * median_rad).abs() < EVEN * median_rad
+        };
+        if median_rad > 0.0 && readings.iter().enumerate().all(is_even) {
+            let step_rad = span_rad / (readings.len() - 1) as f64;
+            let geometry = ScanGeometry::new(first_rad, step_rad, readings.len())?;
+            return Ok((geometry, readings.into_iter().map(|r| r.1).collect()));
+        }
+        let step_rad = self.step_rad.unwrap_or(median_rad);
+        let most_beams = span_rad / step_rad;
+        if !(step_rad > 0.0 && span_rad < TAU * 1.01 && most_beams < MAX_BEAMS as f64) {
+            return Err(LineFault::Malformed {
+                what: format!(
+                    "{} bearings from {:.3}° to {:.3}° with {:.5}° between them make no scan",
+                    readings.len(),
+                    first_rad.to_degrees(),
+                    last_rad.to_degrees(),
+                    step_rad.to_degrees()
+                ),
+            });
+        }
+        let whole_turn = readings.len() as f64 * step_rad > WHOLE_TURN * TAU;
+        let (first_step, beams, step_rad) = if whole_turn {
+            let beams = (TAU / step_rad).round();
+            readings = all_round(readings);
+            (-(beams / 2.0).floor(), beams, TAU / beams)
+        } else {
+            let first_step = (first_rad / step_rad).round();
+            (first_step, (last_rad / step_rad).round() - first_step + 1.0, step_rad)
+        };
+        self.step_rad = Some(step_rad);
+        let geometry = ScanGeometry::new(first_step * step_rad, step_rad, beams as usize)?;
+        let ranges_m = (0..geometry.beams())
+            .map(|beam| range_at(&readings, geometry.bearing_rad(beam), step_rad))
+            .collect();
+        Ok((geometry, ranges_m))
+    }
+}
+
+fn median_step_rad(readings: &[(f64, f64)]) -> f64 {
+    let mut steps: Vec<f64> = readings.windows(2).map(|w| w[1].0 - w[0].0).collect();
+    steps.sort_by(f64::total_cmp);
+    steps[steps.len() / 2]
+}
+
+/// The readings by bearing from −π to π, with the outermost repeated a turn on, so that each has two neighbours.
+fn all_round(readings: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let mut readings: Vec<(f64, f64)> = readings.into_iter().map(|(b, r)| (wrap_rad(b), r)).collect();
     readings.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let [(first_rad, _), .., (last_rad, _)] = readings[..] else {
-        return Err(LineFault::Beams {
-            header: readings.len() as u64,
-            limit: MAX_BEAMS,
-        });
-    };
-    let mut apart: Vec<f64> = readings.windows(2).map(|w| w[1].0 - w[0].0).collect();
-    apart.sort_by(f64::total_cmp);
-    let mut step_rad = apart[apart.len() / 2];
-    let span_rad = last_rad - first_rad;
-    let is_even = readings
-        .iter()
-        .enumerate()
-        .all(|(k, r)| (r.0 - first_rad - k as f64 * step_rad).abs() < EVEN * step_rad);
-    if is_even {
-        let step_rad = span_rad / (readings.len() - 1) as f64;
-        let geometry = ScanGeometry::new(first_rad, step_rad, readings.len())?;
-        return Ok((geometry, readings.into_iter().map(|r| r.1).collect()));
-    }
-    let mut beams = (span_rad / step_rad).round() + 1.0;
-    if span_rad > TAU - 1.5 * step_rad {
-        beams = (TAU / step_rad).round();
-        step_rad = TAU / beams;
-    }
-    if !(step_rad > 0.0 && span_rad < TAU * 1.01 && beams <= MAX_BEAMS as f64) {
-        return Err(LineFault::Malformed {
-            what: format!(
-                "{} bearings from {:.3}° to {:.3}° with {:.5}° between them make no scan",
-                readings.len(),
-                first_rad.to_degrees(),
-                last_rad.to_degrees(),
-                step_rad.to_degrees()
-            ),
-        });
-    }
-    let geometry = ScanGeometry::new(first_rad, step_rad, beams as usize)?;
-    let ranges_m = (0..geometry.beams())
-        .map(|beam| range_at(&readings, geometry.bearing_rad(beam), step_rad))
-        .collect();
-    Ok((geometry, ranges_m))
+    let (first, last) = (readings[0], readings[readings.len() - 1]);
+    readings.insert(0, (last.0 - TAU, last.1));
+    readings.push((first.0 + TAU, first.1));
+    debug_assert!(first.0 >= -PI - 1e-9);
+    readings
 }
 
 fn range_at(readings: &[(f64, f64)], bearing_rad: f64, step_rad: f64) -> f64 {
@@ -105,7 +136,7 @@ mod tests {
                 (-bearing, 2.0 / bearing.cos())
             })
             .collect();
-        let (geometry, ranges_m) = even_scan(readings).unwrap();
+        let (geometry, ranges_m) = EvenBearings::default().scan(readings).unwrap();
         for (beam, range_m) in ranges_m.iter().enumerate().skip(1).take(geometry.beams() - 2) {
             let ahead_m = range_m * geometry.bearing_rad(beam).cos();
             assert!((ahead_m - 2.0).abs() < 0.013, "beam {beam}: {ahead_m}");
@@ -115,11 +146,14 @@ mod tests {
     #[test]
     fn even_bearings_are_left_alone_and_a_gap_stays_one() {
         let even: Vec<(f64, f64)> = (0..10).map(|k| (f64::from(k) * -0.1, f64::from(k))).collect();
-        let (geometry, ranges_m) = even_scan(even.clone()).unwrap();
+        let (geometry, ranges_m) = EvenBearings::default().scan(even.clone()).unwrap();
         assert_eq!(ranges_m, [9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0, 0.0]);
         assert!((geometry.bearing_rad(0) + 0.9).abs() < 1e-12);
+        let shaken: Vec<(f64, f64)> = even.iter().map(|&(b, r)| (b + 0.004 * (r % 2.0), r)).collect();
+        let (geometry, _) = EvenBearings::default().scan(shaken).unwrap();
+        assert!((geometry.bearing_rad(0) / geometry.step_rad()).fract().abs() < 1e-9);
         let gap: Vec<(f64, f64)> = even.into_iter().filter(|r| r.1 < 3.0 || r.1 > 5.0).collect();
-        let (_, ranges_m) = even_scan(gap).unwrap();
+        let (_, ranges_m) = EvenBearings::default().scan(gap).unwrap();
         assert_eq!(ranges_m.len(), 10);
         assert_eq!(ranges_m.iter().filter(|r| r.is_nan()).count(), 3);
     }
@@ -127,8 +161,8 @@ mod tests {
     #[test]
     fn bearings_that_go_round_twice_are_refused() {
         let twice: Vec<(f64, f64)> = (0..50).map(|k| (f64::from(k * k) * 0.01, 1.0)).collect();
-        assert!(even_scan(twice).is_err());
-        assert!(even_scan(vec![(1.0, 1.0); 5]).is_err());
-        assert!(even_scan(vec![(1.0, 1.0)]).is_err());
+        assert!(EvenBearings::default().scan(twice).is_err());
+        assert!(EvenBearings::default().scan(vec![(1.0, 1.0); 5]).is_err());
+        assert!(EvenBearings::default().scan(vec![(1.0, 1.0)]).is_err());
     }
 }
