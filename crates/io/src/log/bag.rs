@@ -9,10 +9,9 @@
 //! record cannot be reached by the lengths: reading ends there and says so, or goes on behind the entries when it
 //! is asked to ([`ReadOptions::salvage`]).
 
-use std::io::{self, BufRead, BufReader, Read, Take};
+use std::io::{self, BufRead, Read};
 
-use bzip2::bufread::MultiBzDecoder;
-
+use super::chunks::{Layer, broken, cut, read_up_to};
 use super::ros::{Channel, Encoding, MAX_MESSAGE_BYTES, Message, Messages};
 use super::{LogError, ReadOptions, ScanReader, ros};
 use crate::input::Input;
@@ -40,87 +39,6 @@ pub(super) fn open(input: Input, options: &ReadOptions) -> Result<Box<dyn ScanRe
             read_bytes: MAGIC.len() as u64,
         }))
     })
-}
-
-type Stream = Box<dyn BufRead>;
-
-/// What records are read from.
-enum Layer {
-    File(Stream),
-    /// A chunk, and with it the file around.
-    Chunk(BufReader<Unpacker>),
-    /// A fault in between lost the file.
-    Lost,
-}
-
-/// A packed chunk.
-enum Unpacker {
-    Bz2(MultiBzDecoder<Take<Stream>>),
-    Lz4(lz4::Decoder<Take<Stream>>),
-}
-
-impl Read for Unpacker {
-    fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
-        match self {
-            Self::Bz2(inner) => inner.read(buf),
-            Self::Lz4(inner) => inner.read(buf),
-        }
-    }
-}
-
-impl Unpacker {
-    /// The stream behind the chunk.
-    fn into_file(self) -> io::Result<Stream> {
-        let mut rest = match self {
-            Self::Bz2(inner) => inner.into_inner(),
-            Self::Lz4(inner) => inner.finish().0,
-        };
-        io::copy(&mut rest, &mut io::sink())?;
-        Ok(rest.into_inner())
-    }
-}
-
-impl Layer {
-    fn stream(&mut self) -> io::Result<&mut dyn BufRead> {
-        match self {
-            Self::File(stream) => Ok(stream),
-            Self::Chunk(stream) => Ok(stream),
-            Self::Lost => Err(broken("a chunk could not be read".to_owned())),
-        }
-    }
-
-    /// Goes into a packed chunk of `bytes` bytes.
-    fn enter(&mut self, compression: &str, bytes: u64) -> io::Result<()> {
-        let Self::File(stream) = std::mem::replace(self, Self::Lost) else {
-            return Err(broken("a chunk within a chunk".to_owned()));
-        };
-        let chunk = stream.take(bytes);
-        let unpacker = match compression {
-            "bz2" => Unpacker::Bz2(MultiBzDecoder::new(chunk)),
-            "lz4" => Unpacker::Lz4(lz4::Decoder::new(chunk)?),
-            other => {
-                return Err(broken(format!(
-                    "a chunk is packed with `{other}`; none, bz2 or lz4 is expected"
-                )));
-            }
-        };
-        *self = Self::Chunk(BufReader::new(unpacker));
-        Ok(())
-    }
-
-    /// Goes back to the file at the end of a chunk; `false` at the end of the file.
-    fn leave(&mut self) -> io::Result<bool> {
-        match std::mem::replace(self, Self::Lost) {
-            Self::Chunk(chunk) => {
-                *self = Self::File(chunk.into_inner().into_file()?);
-                Ok(true)
-            }
-            other => {
-                *self = other;
-                Ok(false)
-            }
-        }
-    }
 }
 
 /// What is read of a record; the buffers are used again.
@@ -168,7 +86,7 @@ impl Messages for BagMessages {
                     let compression = head.text("compression");
                     // The records of a chunk that is not packed stand in the file like any other.
                     if compression != "none" {
-                        self.layer.enter(&compression, u64::from(data_bytes))?;
+                        self.layer.enter(&compression, u64::from(data_bytes), None)?;
                     }
                 }
                 Some(op::CONNECTION) => self.read_connection(data_bytes)?,
@@ -336,25 +254,4 @@ impl<'a> Head<'a> {
     fn text(&self, name: &str) -> String {
         String::from_utf8_lossy(self.field(name).unwrap_or_default()).into_owned()
     }
-}
-
-/// Reads `bytes` bytes; the buffer grows with what is there, whatever length was announced.
-fn read_up_to(stream: &mut dyn BufRead, bytes: usize, buffer: &mut Vec<u8>, what: &str) -> io::Result<()> {
-    let read = stream.take(bytes as u64).read_to_end(buffer)?;
-    if read < bytes {
-        return Err(cut(io::ErrorKind::UnexpectedEof.into(), what));
-    }
-    Ok(())
-}
-
-fn broken(what: String) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, what)
-}
-
-/// An end of the file gets words; other faults pass.
-fn cut(error: io::Error, what: &str) -> io::Error {
-    if error.kind() == io::ErrorKind::UnexpectedEof {
-        return io::Error::new(error.kind(), format!("the file is cut within {what}"));
-    }
-    error
 }

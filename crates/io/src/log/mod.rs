@@ -10,6 +10,7 @@
 
 mod bag;
 mod carmen;
+mod chunks;
 mod columns;
 mod db3;
 mod error;

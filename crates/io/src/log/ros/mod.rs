@@ -50,8 +50,8 @@ pub(super) struct Channel {
 impl Channel {
     pub fn new(topic: &str, kind: &str, encoding: Result<Encoding, String>) -> Self {
         Self {
-            topic: topic.to_owned(),
-            kind: kind.replace("/msg/", "/"),
+            topic: shortened(topic).to_owned(),
+            kind: shortened(kind).replace("/msg/", "/"),
             encoding,
         }
     }
@@ -59,6 +59,12 @@ impl Channel {
     fn name(&self) -> String {
         format!("{} ({})", self.topic, self.kind)
     }
+}
+
+/// The first characters of a name; a name that is longer is made to fill the memory.
+pub(super) fn shortened(name: &str) -> &str {
+    const LONGEST: usize = 255;
+    &name[..name.floor_char_boundary(LONGEST)]
 }
 
 /// A serialised message.

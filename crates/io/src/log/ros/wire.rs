@@ -101,7 +101,13 @@ impl<'a> Fields<'a> {
 
     /// A text; bytes that are none are replaced.
     pub fn text(&mut self, what: &str) -> Result<String, LineFault> {
+        const LONGEST: usize = 4096;
         let length = self.u32(what)? as usize;
+        if length > LONGEST {
+            return Err(malformed(format!(
+                "{what} has {length} bytes, at most {LONGEST} are expected"
+            )));
+        }
         let bytes = self.take(length, what)?;
         let bytes = match self.encoding {
             Encoding::Ros1 => bytes,
