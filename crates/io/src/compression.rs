@@ -11,12 +11,14 @@ use flate2::bufread::MultiGzDecoder;
 
 const UNPACKED_BUFFER_BYTES: usize = 128 * 1024;
 
+type Stream = Box<dyn BufRead>;
+
 /// A way to pack a file.
 pub(crate) struct Compression {
     /// The usual ending of a name, for the user.
     pub name: &'static str,
     magic: &'static [u8],
-    unpack: fn(Box<dyn BufRead>) -> io::Result<Box<dyn BufRead>>,
+    unpack: fn(Stream) -> io::Result<Stream>,
 }
 
 /// RFC 1952, the bzip2 file format, RFC 8878.
@@ -42,9 +44,7 @@ const COMPRESSIONS: &[Compression] = &[
 ///
 /// # Errors
 /// The first bytes cannot be read.
-pub(crate) fn unpacked(
-    mut source: Box<dyn BufRead>,
-) -> io::Result<(Box<dyn BufRead>, Option<&'static Compression>)> {
+pub(crate) fn unpacked(mut source: Stream) -> io::Result<(Stream, Option<&'static Compression>)> {
     let start = source.fill_buf()?;
     match COMPRESSIONS.iter().find(|c| start.starts_with(c.magic)) {
         Some(compression) => Ok(((compression.unpack)(source)?, Some(compression))),
@@ -52,6 +52,6 @@ pub(crate) fn unpacked(
     }
 }
 
-fn buffered(unpacked: impl io::Read + 'static) -> Box<dyn BufRead> {
+fn buffered(unpacked: impl io::Read + 'static) -> Stream {
     Box::new(BufReader::with_capacity(UNPACKED_BUFFER_BYTES, unpacked))
 }

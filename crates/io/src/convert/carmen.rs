@@ -34,7 +34,10 @@ impl<W: Write> ScanWriter for CarmenWriter<W> {
         let (beams, step_rad, max_m) = (geometry.beams(), geometry.step_rad(), geometry.max_range_m());
         let width_rad = step_rad * beams.saturating_sub(1) as f64;
         let first_rad = geometry.bearing_rad(0);
-        write!(out, "ROBOTLASER1 0 {first_rad} {width_rad} {step_rad} {max_m} 0.01 0 {beams}")?;
+        write!(
+            out,
+            "ROBOTLASER1 0 {first_rad} {width_rad} {step_rad} {max_m} 0.01 0 {beams}"
+        )?;
         for &range_m in scan.ranges_m() {
             write!(out, " {}", if range_m.is_nan() { max_m } else { range_m })?;
         }

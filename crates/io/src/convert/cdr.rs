@@ -10,13 +10,11 @@ const HEAD: [u8; 4] = [0, 1, 0, 0];
 
 impl Cdr {
     pub fn new() -> Self {
-        Self {
-            bytes: HEAD.to_vec(),
-        }
+        Self { bytes: HEAD.to_vec() }
     }
 
     fn number<const N: usize>(&mut self, number: [u8; N]) {
-        while (self.bytes.len() - HEAD.len()) % N != 0 {
+        while !(self.bytes.len() - HEAD.len()).is_multiple_of(N) {
             self.bytes.push(0);
         }
         self.bytes.extend_from_slice(&number);

@@ -68,7 +68,11 @@ impl RangeCensus {
         if returns > 0 {
             let before = self.ranges.returns > 0;
             let shortest_m = &mut self.ranges.shortest_m;
-            *shortest_m = if before { shortest_m.min(shortest) } else { shortest };
+            *shortest_m = if before {
+                shortest_m.min(shortest)
+            } else {
+                shortest
+            };
             self.ranges.longest_m = self.ranges.longest_m.max(longest);
             self.ranges.returns += returns;
         }

@@ -154,7 +154,10 @@ impl Census {
 
     fn take_geometry(&mut self, entry: &LogScan) {
         let geometry = entry.scan.geometry();
-        let (first_deg, step_deg) = (geometry.bearing_rad(0).to_degrees(), geometry.step_rad().to_degrees());
+        let (first_deg, step_deg) = (
+            geometry.bearing_rad(0).to_degrees(),
+            geometry.step_rad().to_degrees(),
+        );
         let thousandths = |deg: f64| (deg * 1000.0).round() as i64;
         let key = (geometry.beams(), thousandths(first_deg), thousandths(step_deg));
         if !self.geometries.contains_key(&key) && self.geometries.len() >= MAX_KINDS {
@@ -171,10 +174,7 @@ impl Census {
     }
 
     fn take_bad(&mut self, kind: &'static str, first: String) {
-        self.bad
-            .entry(kind)
-            .or_insert(BadScans { scans: 0, first })
-            .scans += 1;
+        self.bad.entry(kind).or_insert(BadScans { scans: 0, first }).scans += 1;
     }
 
     fn finish(self, log: &Log, broken: Option<String>) -> Inspection {

@@ -80,7 +80,10 @@ impl StampCensus {
             self.backwards += 1;
             self.most_backwards_s = self.most_backwards_s.max(-seconds);
         } else if seconds > 0.0 {
-            *self.steps.entry((seconds.ln() / CELL).round() as i64).or_default() += 1;
+            *self
+                .steps
+                .entry((seconds.ln() / CELL).round() as i64)
+                .or_default() += 1;
             if self.longest.as_ref().is_none_or(|gap| seconds > gap.seconds) {
                 self.longest = Some(Gap {
                     seconds,
@@ -150,6 +153,9 @@ mod tests {
     #[test]
     fn useless_stamps_are_no_rate() {
         let found = stamps(&[0.0; 5]);
-        assert_eq!((found.median_step_s, found.repeated, found.longest_gap), (None, 4, None));
+        assert_eq!(
+            (found.median_step_s, found.repeated, found.longest_gap),
+            (None, 4, None)
+        );
     }
 }

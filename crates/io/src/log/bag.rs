@@ -226,7 +226,9 @@ impl<'a> Head<'a> {
         let mut rest = self.0;
         while let Some((length, after)) = rest.split_first_chunk::<4>() {
             let (field, after) = after.split_at_checked(u32::from_le_bytes(*length) as usize)?;
-            let value = field.strip_prefix(name.as_bytes()).and_then(|f| f.strip_prefix(b"="));
+            let value = field
+                .strip_prefix(name.as_bytes())
+                .and_then(|f| f.strip_prefix(b"="));
             if value.is_some() {
                 return value;
             }

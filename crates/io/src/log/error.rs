@@ -50,9 +50,7 @@ pub enum LogError {
         source: io::Error,
     },
     /// No format knows the content.
-    #[error(
-        "{name} is no laser log that is known here: {found}; expected is one of {formats}"
-    )]
+    #[error("{name} is no laser log that is known here: {found}; expected is one of {formats}")]
     Unrecognised {
         /// Name of the file.
         name: String,
@@ -110,7 +108,11 @@ impl LogError {
             let bytes: Vec<String> = head.iter().take(8).map(|b| format!("{b:02x}")).collect();
             format!("binary data, {} ..", bytes.join(" "))
         };
-        let formats: Vec<&str> = super::FORMATS.iter().chain([&super::COLUMNS]).map(|f| f.name).collect();
+        let formats: Vec<&str> = super::FORMATS
+            .iter()
+            .chain([&super::COLUMNS])
+            .map(|f| f.name)
+            .collect();
         Self::Unrecognised {
             name,
             found,

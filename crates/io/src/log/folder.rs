@@ -70,7 +70,9 @@ fn files(folder: &Path) -> std::io::Result<VecDeque<PathBuf>> {
     let mut files = Vec::new();
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
-        let hides = path.file_name().is_some_and(|n| n.as_encoded_bytes().starts_with(b"."));
+        let hides = path
+            .file_name()
+            .is_some_and(|n| n.as_encoded_bytes().starts_with(b"."));
         if path.is_file() && !hides {
             files.push(path);
         }
@@ -86,7 +88,10 @@ fn natural_order(a: &str, b: &str) -> Ordering {
         let (number_a, number_b) = (leading_digits(a), leading_digits(b));
         if !number_a.is_empty() && !number_b.is_empty() {
             let (value_a, value_b) = (number_a.trim_start_matches('0'), number_b.trim_start_matches('0'));
-            let order = value_a.len().cmp(&value_b.len()).then_with(|| value_a.cmp(value_b));
+            let order = value_a
+                .len()
+                .cmp(&value_b.len())
+                .then_with(|| value_a.cmp(value_b));
             if order.is_ne() {
                 return order;
             }
@@ -114,6 +119,9 @@ mod tests {
     fn numbers_in_names_count_as_numbers() {
         let mut names = ["run_10.bag", "run_9.bag", "run_1.bag", "run.bag", "run_01.bag"];
         names.sort_by(|a, b| natural_order(a, b).then_with(|| a.cmp(b)));
-        assert_eq!(names, ["run.bag", "run_01.bag", "run_1.bag", "run_9.bag", "run_10.bag"]);
+        assert_eq!(
+            names,
+            ["run.bag", "run_01.bag", "run_1.bag", "run_9.bag", "run_10.bag"]
+        );
     }
 }

@@ -27,7 +27,11 @@ const STAMP: &[&str] = &["stamp_s", "stamp", "timestamp", "time"];
 
 /// Whether the first line is an object with ranges.
 pub(super) fn recognise(head: &[u8]) -> bool {
-    let line = head.split(|&b| b == b'\n').next().unwrap_or_default().trim_ascii();
+    let line = head
+        .split(|&b| b == b'\n')
+        .next()
+        .unwrap_or_default()
+        .trim_ascii();
     line.starts_with(b"{")
         && serde_json::from_slice::<Map<String, Value>>(line)
             .is_ok_and(|object| array(&object, RANGES).is_some())
@@ -102,14 +106,19 @@ impl ScanReader for JsonLinesReader {
 fn reading(line: &[u8], even: &mut EvenBearings) -> Result<Reading, LineFault> {
     let object: Map<String, Value> =
         serde_json::from_slice(line).map_err(|error| malformed(format!("no JSON object: {error}")))?;
-    let ranges_m = array(&object, RANGES).ok_or_else(|| malformed(format!("none of {RANGES:?} is an array")))?;
+    let ranges_m =
+        array(&object, RANGES).ok_or_else(|| malformed(format!("none of {RANGES:?} is an array")))?;
     if ranges_m.is_empty() || ranges_m.len() > MAX_BEAMS {
         return Err(LineFault::Beams {
             header: ranges_m.len() as u64,
             limit: MAX_BEAMS,
         });
     }
-    let (geometry, ranges_m) = match (array(&object, BEARINGS), number(&object, FIRST), number(&object, STEP)) {
+    let (geometry, ranges_m) = match (
+        array(&object, BEARINGS),
+        number(&object, FIRST),
+        number(&object, STEP),
+    ) {
         (Some(bearings), _, _) => {
             if bearings.len() != ranges_m.len() || bearings.iter().any(|b| !b.is_finite()) {
                 return Err(malformed(format!(
@@ -123,7 +132,11 @@ fn reading(line: &[u8], even: &mut EvenBearings) -> Result<Reading, LineFault> {
         (None, Some(first_rad), Some(step_rad)) => {
             (ScanGeometry::new(first_rad, step_rad, ranges_m.len())?, ranges_m)
         }
-        _ => return Err(malformed(format!("no bearings: {BEARINGS:?}, or {FIRST:?} and {STEP:?}"))),
+        _ => {
+            return Err(malformed(format!(
+                "no bearings: {BEARINGS:?}, or {FIRST:?} and {STEP:?}"
+            )));
+        }
     };
     let (min_m, max_m) = limits(&object);
     Ok(Reading {

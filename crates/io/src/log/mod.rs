@@ -129,12 +129,14 @@ trait ScanReader {
     fn tally(&self) -> Tally;
 }
 
+type OpenedReader = Result<Box<dyn ScanReader>, LogError>;
+
 struct Format {
     name: &'static str,
     unit: Unit,
     /// Whether the first bytes of a file look like this format.
     recognise: fn(&[u8]) -> bool,
-    open: fn(Input, &ReadOptions) -> Result<Box<dyn ScanReader>, LogError>,
+    open: fn(Input, &ReadOptions) -> OpenedReader,
 }
 
 /// Asked in order; the first that recognises the content reads it.

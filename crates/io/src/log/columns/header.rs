@@ -63,7 +63,10 @@ fn of_first_line(comments: &str, names: Option<&[&str]>, columns: usize) -> Opti
         pose_keyword: None,
         columns,
         bearings: Bearings {
-            first_rad: angle_rad(&comments, &["first bearing", "first_bearing", "angle_min", "start angle"]),
+            first_rad: angle_rad(
+                &comments,
+                &["first bearing", "first_bearing", "angle_min", "start angle"],
+            ),
             step_rad: angle_rad(&comments, &["step", "angle_increment", "resolution"]),
             width_rad: None,
         },
@@ -133,7 +136,9 @@ fn named_columns(names: &[&str], scale_m: f64) -> Option<Vec<Column>> {
 }
 
 fn is_range(name: &str) -> bool {
-    let stem = name.trim_end_matches(']').trim_end_matches(|c: char| c.is_ascii_digit());
+    let stem = name
+        .trim_end_matches(']')
+        .trim_end_matches(|c: char| c.is_ascii_digit());
     let stem = stem.trim_end_matches(['_', '[']);
     stem.len() < name.len() && ["r", "range", "ranges", "range_m", "d", "distance"].contains(&stem)
 }
@@ -148,7 +153,10 @@ mod tests {
 
     #[test]
     fn a_comment_with_bearings_is_understood() {
-        let text = format!("# ranges in mm; first bearing -90 deg, step 0.5 deg\n{}\n", numbers(20));
+        let text = format!(
+            "# ranges in mm; first bearing -90 deg, step 0.5 deg\n{}\n",
+            numbers(20)
+        );
         let layout = layout(&text).unwrap();
         let (geometry, _) = layout.bearings.geometry(20).unwrap();
         assert!((geometry.bearing_rad(0).to_degrees() + 90.0).abs() < 1e-9);

@@ -158,7 +158,15 @@ impl Layout {
 
     /// Whether every reading brings its own bearing.
     pub(super) fn has_bearings(&self) -> bool {
-        let has = |c: &Column| matches!(c, Column::Ranges { bearing_rad: Some(_), .. });
+        let has = |c: &Column| {
+            matches!(
+                c,
+                Column::Ranges {
+                    bearing_rad: Some(_),
+                    ..
+                }
+            )
+        };
         self.columns.iter().any(has)
     }
 }

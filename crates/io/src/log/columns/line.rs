@@ -68,11 +68,7 @@ pub(super) fn parse(line: &str, layout: &Layout) -> Result<Parsed, LineFault> {
     }
     if columns.left() > 0 {
         return Err(LineFault::Malformed {
-            what: format!(
-                "{} fields, but the layout has {}",
-                columns.all.len(),
-                columns.at
-            ),
+            what: format!("{} fields, but the layout has {}", columns.all.len(), columns.at),
         });
     }
     if let [Some(x_m), Some(y_m), Some(theta_rad)] = pose {

@@ -30,7 +30,10 @@ pub(super) fn recognise(head: &[u8]) -> bool {
 
 /// The head as text without its last line, which may be cut; `None` for binary data.
 fn whole_lines(head: &[u8]) -> Option<&str> {
-    let end = head.iter().rposition(|&b| b == b'\n').map_or(head.len(), |end| end + 1);
+    let end = head
+        .iter()
+        .rposition(|&b| b == b'\n')
+        .map_or(head.len(), |end| end + 1);
     let text = std::str::from_utf8(&head[..end]).ok()?;
     (!text.contains('\0')).then_some(text)
 }
@@ -71,8 +74,7 @@ pub(super) fn open(input: Input, options: &ReadOptions) -> Result<Box<dyn ScanRe
                 keeper.note(format!("taken as {name}; --layout says otherwise"));
                 layout
             } else {
-                header::layout(head)
-                    .ok_or_else(|| LogError::unrecognised(input.name.clone(), &input.head))?
+                header::layout(head).ok_or_else(|| LogError::unrecognised(input.name.clone(), &input.head))?
             }
         }
     };
@@ -235,10 +237,7 @@ fn as_text<'a>(line: &Line<'a>) -> Result<&'a str, LineFault> {
 }
 
 /// Ranges with the bearings that the layout gives them.
-fn with_bearings(
-    mut ranges_m: Vec<f64>,
-    layout: &Layout,
-) -> Result<(ScanGeometry, Vec<f64>), LineFault> {
+fn with_bearings(mut ranges_m: Vec<f64>, layout: &Layout) -> Result<(ScanGeometry, Vec<f64>), LineFault> {
     let (geometry, turned) = layout.bearings.geometry(ranges_m.len())?;
     if turned {
         ranges_m.reverse();

@@ -72,7 +72,11 @@ impl EvenBearings {
             (-(beams / 2.0).floor(), beams, TAU / beams)
         } else {
             let first_step = (first_rad / step_rad).round();
-            (first_step, (last_rad / step_rad).round() - first_step + 1.0, step_rad)
+            (
+                first_step,
+                (last_rad / step_rad).round() - first_step + 1.0,
+                step_rad,
+            )
         };
         self.step_rad = Some(step_rad);
         let geometry = ScanGeometry::new(first_step * step_rad, step_rad, beams as usize)?;

@@ -40,7 +40,13 @@ enum Class {
 }
 
 /// How the names of classes in a rawlog begin.
-const NAMES: &[&[u8]] = &[b"CSensoryFrame", b"CActionCollection", b"CObservation", b"CRawlog", b"mrpt::"];
+const NAMES: &[&[u8]] = &[
+    b"CSensoryFrame",
+    b"CActionCollection",
+    b"CObservation",
+    b"CRawlog",
+    b"mrpt::",
+];
 
 /// Whether the first bytes are an object of a class that rawlogs have.
 pub(super) fn recognise(head: &[u8]) -> bool {
@@ -48,7 +54,9 @@ pub(super) fn recognise(head: &[u8]) -> bool {
         return false;
     };
     let name = rest.get(..usize::from(length & 0x7f)).unwrap_or_default();
-    let is_name = name.iter().all(|b| b.is_ascii_alphanumeric() || b"_:<>,".contains(b));
+    let is_name = name
+        .iter()
+        .all(|b| b.is_ascii_alphanumeric() || b"_:<>,".contains(b));
     length & 0x80 != 0 && is_name && NAMES.iter().any(|n| name.starts_with(n))
 }
 
@@ -170,7 +178,8 @@ impl RawlogReader {
 
     fn reading(&mut self, scan: Scan) -> Result<Reading, LineFault> {
         if scan.is_upside_down() {
-            let note = "the scanner is mounted upside down by its pose in the log: its beams are turned round";
+            let note =
+                "the scanner is mounted upside down by its pose in the log: its beams are turned round";
             self.keeper.note(note.to_owned());
         }
         // A log whose first frame comes before any odometry starts at the origin.

@@ -286,7 +286,9 @@ impl<'a> Fields<'a> {
                 Transform::of_matrix(place, rows)
             }
             version => {
-                return Err(malformed(format!("CPose3D version {version}; up to 3 is expected")));
+                return Err(malformed(format!(
+                    "CPose3D version {version}; up to 3 is expected"
+                )));
             }
         };
         self.close()?;
@@ -325,7 +327,10 @@ impl<'a> Fields<'a> {
 /// The transform of a 4 × 4 matrix, row by row.
 fn of_homogeneous(m: &[f64]) -> Result<Transform, LineFault> {
     let [a, b, c, x, d, e, f, y, g, h, i, z, ..] = m[..] else {
-        return Err(malformed(format!("a pose of {} numbers; 16 are expected", m.len())));
+        return Err(malformed(format!(
+            "a pose of {} numbers; 16 are expected",
+            m.len()
+        )));
     };
     Ok(Transform::of_matrix([x, y, z], [[a, b, c], [d, e, f], [g, h, i]]))
 }

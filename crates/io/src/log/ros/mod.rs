@@ -119,7 +119,10 @@ pub(super) fn open(
 /// What is done with the messages of a channel.
 #[derive(Clone, Debug)]
 enum Role {
-    Laser { laser: usize, echoes: bool },
+    Laser {
+        laser: usize,
+        echoes: bool,
+    },
     StaticTransforms,
     Transforms,
     Odometry,
@@ -332,7 +335,8 @@ impl Sorter {
     }
 
     fn bad_message(&mut self, channel: &Channel, fault: &LineFault) {
-        self.keeper.note(format!("{}: a message cannot be used: {fault}", channel.topic));
+        self.keeper
+            .note(format!("{}: a message cannot be used: {fault}", channel.topic));
     }
 
     /// The next scan about which enough is known.

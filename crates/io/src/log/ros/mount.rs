@@ -37,7 +37,8 @@ impl Mounts {
         let is_known = self.parents.contains_key(child);
         if transform.transform.is_finite() && (is_known || self.parents.len() < MAX_FRAMES) {
             let parent = frame(&transform.header.frame).to_owned();
-            self.parents.insert(child.to_owned(), (parent, transform.transform));
+            self.parents
+                .insert(child.to_owned(), (parent, transform.transform));
         }
     }
 

@@ -24,9 +24,21 @@ impl Transform {
         let rotation = if length2 > 1e-12 && length2.is_finite() {
             let s = 2.0 / length2;
             [
-                [1.0 - s * (y * y + z * z), s * (x * y - z * w), s * (x * z + y * w)],
-                [s * (x * y + z * w), 1.0 - s * (x * x + z * z), s * (y * z - x * w)],
-                [s * (x * z - y * w), s * (y * z + x * w), 1.0 - s * (x * x + y * y)],
+                [
+                    1.0 - s * (y * y + z * z),
+                    s * (x * y - z * w),
+                    s * (x * z + y * w),
+                ],
+                [
+                    s * (x * y + z * w),
+                    1.0 - s * (x * x + z * z),
+                    s * (y * z - x * w),
+                ],
+                [
+                    s * (x * z - y * w),
+                    s * (y * z + x * w),
+                    1.0 - s * (x * x + y * y),
+                ],
             ]
         } else {
             Self::IDENTITY.rotation
