@@ -1,7 +1,5 @@
 //! What `inspect` says of the real recordings beside the repository: a row a file.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail by panic")]
-
 use std::path::Path;
 
 use polymapper_io::inspect::{Inspection, inspect};
