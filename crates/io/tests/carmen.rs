@@ -363,6 +363,14 @@ fn the_real_logs_are_read_to_their_end() {
 }
 
 #[test]
+fn a_graph_with_lasers_in_it_is_read_past_its_vertices() {
+    let vertices = "VERTEX_SE2 17 1.5 2.5 0.1\n".repeat(20_000);
+    let mut log = open_text(&(vertices + &robotlaser(-1.5, 0.02, 5)), ReadOptions::default());
+    assert_eq!(log.by_ref().count(), 1);
+    assert_eq!(log.tally().other_messages["VERTEX_SE2"], 20_000);
+}
+
+#[test]
 fn a_range_that_recurs_at_the_top_is_no_return_and_said_to_be_one() {
     // A room, and a glass door that gives no return, seen on other beams from scan to scan.
     let line = |scan: usize| {

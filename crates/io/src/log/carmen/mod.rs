@@ -37,8 +37,19 @@ const KINDS: &[&str] = &[
     "RAWLASER5",
 ];
 
-/// Messages that CARMEN and the tools around it write beside the lasers.
-const OTHER_KINDS: &[&str] = &["PARAM", "SYNC", "ODOM", "TRUEPOS", "NEFF"];
+/// Messages that CARMEN and the tools around it write beside the lasers, and the graphs (g2o, TORO) that lasers
+/// are put into.
+const OTHER_KINDS: &[&str] = &[
+    "PARAM",
+    "SYNC",
+    "ODOM",
+    "TRUEPOS",
+    "NEFF",
+    "VERTEX_SE2",
+    "EDGE_SE2",
+    "VERTEX2",
+    "EDGE2",
+];
 
 fn keyword(line: &[u8]) -> &[u8] {
     let end = line
