@@ -343,3 +343,22 @@ fn the_parts_of_a_folder_are_one_log() {
     let notes = log.tally().notes;
     assert!(notes.iter().any(|n| n.contains("notes.txt")), "{notes:?}");
 }
+
+#[test]
+fn a_record_longer_than_its_chunk_is_a_cut_and_no_overflow() {
+    // Found by fuzzing in the reader that was used before.
+    let inner = [&[5_u8][..], &999_u64.to_le_bytes(), &[0; 30]].concat();
+    let mut chunk = vec![0; 28];
+    chunk.extend(0_u32.to_le_bytes());
+    chunk.extend((inner.len() as u64).to_le_bytes());
+    chunk.extend(inner);
+    let mut file = b"\x89MCAP0\r\n\x06".to_vec();
+    file.extend((chunk.len() as u64).to_le_bytes());
+    file.extend(chunk);
+    file.extend([0; 2000]);
+    let error = open(file, ReadOptions::default()).next().unwrap().unwrap_err();
+    let LogError::Broken { source, .. } = error else {
+        panic!("{error:?}")
+    };
+    assert_eq!(source.to_string(), "the file is cut within a record");
+}
