@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand};
-use polymapper_io::log::ReadOptions;
+use polymapper_io::log::{Layout, ReadOptions};
 use polymapper_sim::{PlanKind, ScannerKind};
 
 /// A polygonal map from 2D laser scans, without odometry.
@@ -24,6 +24,18 @@ pub struct Args {
 pub enum Command {
     /// Build a map from a laser log
     Build(BuildArgs),
+    /// Say what is in a log before a map is built of it
+    ///
+    /// Topics, scans, geometry, rates, what stands for no return, gaps, stamps that run backwards,
+    /// and what will be left out and why; on standard output.
+    Inspect(InspectArgs),
+    /// Write the scans of a log in another format
+    ///
+    /// The ending of OUT says which: .log, .clf or .carmen for CARMEN (ROBOTLASER1), .mcap for
+    /// MCAP (sensor_msgs/LaserScan, nav_msgs/Odometry); a further .gz packs a CARMEN log. Poses
+    /// of odometry are kept. Ranges, bearings and stamps keep every bit in CARMEN; MCAP holds
+    /// single precision, as LaserScan does.
+    Convert(ConvertArgs),
     /// Write the polylines of every scan, one JSON object a line
     Extract(ExtractArgs),
     /// Draw the figures of the paper from a log
@@ -74,24 +86,48 @@ pub enum Command {
     Demo(DemoArgs),
 }
 
+/// Which log, and which laser in it.
+#[derive(clap::Args)]
+pub struct LogChoice {
+    /// Laser log, plain or packed, or a folder with its parts; `-` is standard input
+    pub log: PathBuf,
+    /// Topic or kind of message to read, such as /scan or RLASER, where the log has several lasers [default: the best]
+    #[arg(long, visible_alias = "topic", value_name = "NAME")]
+    pub laser: Option<String>,
+    /// What the columns of a text file are, such as "stamp_ms range_mm*360 first_deg=0 step_deg=-1" (see docs/logs.md)
+    #[arg(long, value_name = "WORDS")]
+    pub layout: Option<Layout>,
+    /// Read on behind a place where the recording does not hang together
+    #[arg(long)]
+    pub salvage: bool,
+}
+
+impl LogChoice {
+    pub fn read_options(&self) -> ReadOptions {
+        ReadOptions {
+            laser: self.laser.clone(),
+            layout: self.layout.clone(),
+            salvage: self.salvage,
+            ..ReadOptions::default()
+        }
+    }
+}
+
 /// Which log, and what of it.
 #[derive(clap::Args)]
 pub struct LogArgs {
-    /// Laser log, plain or gzip; `-` is standard input
-    pub log: PathBuf,
+    #[command(flatten)]
+    pub choice: LogChoice,
     /// Use the poses in the log (they are not read unless told)
     #[arg(long)]
     pub use_odometry: bool,
-    /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
-    #[arg(long, value_name = "KIND")]
-    pub laser: Option<String>,
 }
 
 impl LogArgs {
     pub fn read_options(&self) -> ReadOptions {
         ReadOptions {
             use_odometry: self.use_odometry,
-            laser: self.laser.clone(),
+            ..self.choice.read_options()
         }
     }
 }
@@ -106,12 +142,27 @@ pub struct BuildArgs {
 }
 
 #[derive(clap::Args)]
+pub struct InspectArgs {
+    #[command(flatten)]
+    pub log: LogChoice,
+    /// Write JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(clap::Args)]
+pub struct ConvertArgs {
+    #[command(flatten)]
+    pub log: LogChoice,
+    /// File to write
+    #[arg(value_name = "OUT")]
+    pub output: PathBuf,
+}
+
+#[derive(clap::Args)]
 pub struct ExtractArgs {
-    /// Laser log, plain or gzip; `-` is standard input
-    pub log: PathBuf,
-    /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
-    #[arg(long, value_name = "KIND")]
-    pub laser: Option<String>,
+    #[command(flatten)]
+    pub log: LogChoice,
     /// File for the polylines; `-` is standard output
     #[arg(short, long, value_name = "FILE", default_value = "-")]
     pub output: PathBuf,
@@ -122,14 +173,11 @@ pub struct ExtractArgs {
 
 #[derive(clap::Args)]
 pub struct FiguresArgs {
-    /// Laser log, plain or gzip; `-` is standard input
-    pub log: PathBuf,
+    #[command(flatten)]
+    pub log: LogChoice,
     /// Folder for the figures; made if it is not there
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
-    #[arg(long, value_name = "KIND")]
-    pub laser: Option<String>,
     /// Scan of fig2, counted from 0 [default: one with many vertices close by]
     #[arg(long, value_name = "K")]
     pub scan: Option<usize>,
@@ -146,8 +194,8 @@ pub struct MatchArgs {
     /// Second scan: LOG:SCAN, or a log of one scan
     #[arg(value_name = "B")]
     pub second: ScanPlace,
-    /// Kind of message to read, such as RLASER, where a log has several lasers [default: the front laser]
-    #[arg(long, value_name = "KIND")]
+    /// Topic or kind of message to read, such as /scan or RLASER, where a log has several lasers [default: the best]
+    #[arg(long, visible_alias = "topic", value_name = "NAME")]
     pub laser: Option<String>,
     /// Picture of the two scans and their correspondences
     #[arg(long, value_name = "FILE")]

@@ -43,6 +43,8 @@ fn main() -> ExitCode {
     let args = Args::parse();
     let result = match args.command {
         Command::Build(args) => commands::build::run(&args),
+        Command::Inspect(args) => commands::inspect::run(&args),
+        Command::Convert(args) => commands::convert::run(&args),
         Command::Extract(args) => commands::extract::run(&args),
         Command::Figures(args) => commands::figures::run(&args),
         Command::Match(args) => commands::match_scans::run(&args),

@@ -28,7 +28,7 @@ use crate::{Finish, memory, pictures};
 /// Runs the command.
 pub fn run(args: &BuildArgs) -> anyhow::Result<Finish> {
     prepare_folder(&args.output)?;
-    let log = scans::open(&args.log.log, args.log.read_options())?;
+    let log = scans::open(&args.log.choice.log, args.log.read_options())?;
     let odometry_used = args.log.use_odometry;
     build(
         log,
@@ -349,7 +349,8 @@ mod tests {
         let built = build_text(&WRONG.repeat(2), Rail::default(), &Interrupt::default());
         let error = built.finish.as_ref().unwrap_err().to_string();
         assert!(
-            error.contains("none of its 2 scans can be used; the first: line 1: 3 ranges"),
+            error.contains("none of its 2 scans can be used; the first:")
+                && error.contains("line 1: 3 ranges"),
             "{error}"
         );
         assert!(!built.folder.path().join("map.json").exists());

@@ -1,8 +1,10 @@
 //! One module a command.
 
 pub mod build;
+pub mod convert;
 pub mod demo;
 pub mod extract;
 pub mod figures;
+pub mod inspect;
 pub mod match_scans;
 pub mod simulate;
