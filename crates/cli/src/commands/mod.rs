@@ -2,7 +2,9 @@
 
 pub mod build;
 pub mod demo;
+pub mod export;
 pub mod extract;
 pub mod figures;
+pub mod import;
 pub mod match_scans;
 pub mod simulate;
