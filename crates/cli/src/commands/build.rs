@@ -15,7 +15,7 @@ use polymapper_io::log::{Entry, LineFault, Log};
 use polymapper_io::out::formats::{ExportFormat, ScanSource};
 use polymapper_io::out::{
     AtomicFile, InputReport, MapFile, MapReport, Outcome, Report, ScanReport, TrajectoryRow, prepare_folder,
-    write_map, write_trajectory_csv, write_trajectory_tum,
+    read_map, read_trajectory_csv, write_map, write_trajectory_csv, write_trajectory_tum,
 };
 
 use crate::args::BuildArgs;
@@ -86,8 +86,11 @@ pub fn build(
     pictures::write(folder, &finished.map, &rows, log.name())?;
     if let Some(choice) = also.choice.filter(|_| !also.formats.is_empty()) {
         clock.enter("export");
+        // From the files, so that `export` gives the same bytes another day.
+        let map = read_map(&folder.join("map.json"))?.map;
+        let rows = read_trajectory_csv(&folder.join("trajectory.csv"))?;
         let exported = Exported {
-            map: &finished.map,
+            map: &map,
             trajectory: Some(&rows),
             scans: keep_scans.then_some(&kept as &dyn ScanSource),
             title: &scans::short_name(log.name()),

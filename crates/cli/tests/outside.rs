@@ -1,0 +1,138 @@
+//! Exports read by other people's programs: ezdxf, GDAL, mcap, rosbags, evo, Open-RMF. `tests/outside/install.sh` installs them;
+//! where they are not installed these tests say that they were skipped.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::OnceLock;
+
+use tempfile::TempDir;
+
+fn workspace() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// What `install.sh` put under `target/outside`; `None`, said plainly, where it did not.
+fn installed(what: &str) -> Option<PathBuf> {
+    let program = workspace().join("target/outside").join(what);
+    if program.is_file() {
+        return Some(program);
+    }
+    eprintln!("SKIPPED: {what} is not there; crates/cli/tests/outside/install.sh installs it");
+    None
+}
+
+fn polymapper(words: &[&str]) {
+    let run = Command::new(env!("CARGO_BIN_EXE_polymapper"))
+        .args(words)
+        .output()
+        .unwrap();
+    assert!(
+        run.status.success(),
+        "{words:?}: {}",
+        String::from_utf8_lossy(&run.stderr)
+    );
+}
+
+/// A folder with the map of the sample in every format; made once.
+fn exports() -> &'static Path {
+    static FOLDER: OnceLock<TempDir> = OnceLock::new();
+    let folder = FOLDER.get_or_init(|| {
+        let folder = tempfile::tempdir().unwrap();
+        let log = workspace().join("samples/killian.log.gz");
+        let formats = "nav2,nav2-vector,rmf,dxf,svg,png,json-fg,gpkg,mcap,tum,kitti,g2o,carmen";
+        let output = folder.path().to_str().unwrap();
+        polymapper(&["build", log.to_str().unwrap(), "-o", output, "--export", formats]);
+        folder
+    });
+    folder.path()
+}
+
+/// Has `check.py` read the export `what` in `folder`.
+fn check(what: &str, folder: &Path) {
+    let Some(python) = installed("venv/bin/python") else {
+        return;
+    };
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/outside/check.py");
+    let run = Command::new(python)
+        .arg(script)
+        .arg(what)
+        .arg(folder)
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success() && said.contains("sound"), "{what}: {said}");
+}
+
+#[test]
+fn ezdxf_audits_the_dxf_without_a_fault() {
+    check("dxf", exports());
+}
+
+#[test]
+fn gdal_reads_the_geopackage_in_metres() {
+    check("gpkg", exports());
+}
+
+#[test]
+fn gdal_reads_json_fg_in_metres_not_degrees() {
+    check("json-fg", exports());
+}
+
+#[test]
+fn gdal_finds_a_map_with_a_place_on_earth_where_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["map.json", "trajectory.csv"] {
+        fs::copy(exports().join(name), folder.path().join(name)).unwrap();
+    }
+    let map = folder.path().join("map.json");
+    let words = [
+        "export",
+        map.to_str().unwrap(),
+        "--to",
+        "geojson,gpkg,json-fg",
+        "--georef",
+        "48.0,7.8,90",
+    ];
+    polymapper(&words);
+    check("georef", folder.path());
+}
+
+#[test]
+fn mcap_and_rosbags_read_every_message() {
+    check("mcap", exports());
+}
+
+#[test]
+fn evo_reads_tum_and_kitti_and_finds_the_length_of_the_way() {
+    check("evo", exports());
+}
+
+#[test]
+fn a_reader_of_nav2s_rules_finds_walls_free_space_and_the_unknown() {
+    check("nav2", exports());
+}
+
+#[test]
+fn open_rmf_reads_every_side_as_a_wall_and_makes_a_site() {
+    let Some(program) = installed("rmf/debug/rmf-check") else {
+        return;
+    };
+    let run = Command::new(program)
+        .arg(exports().join("map.building.yaml"))
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let map: serde_json::Value =
+        serde_json::from_slice(&fs::read(exports().join("map.json")).unwrap()).unwrap();
+    let mut expected = String::new();
+    for polyline in map["polylines"].as_array().unwrap() {
+        let number = |v: &serde_json::Value, k: usize| v[k].as_f64().unwrap();
+        for side in polyline["vertices"].as_array().unwrap().windows(2) {
+            let (a, b) = (&side[0], &side[1]);
+            let (x1, y1, x2, y2) = (number(a, 0), number(a, 1), number(b, 0), number(b, 1));
+            expected.push_str(&format!("{x1:.4} {y1:.4} {x2:.4} {y2:.4}\n"));
+        }
+    }
+    assert_eq!(String::from_utf8(run.stdout).unwrap(), expected);
+}
