@@ -36,16 +36,36 @@ fn polymapper(words: &[&str]) {
 
 /// A folder with the map of the sample in every format; made once.
 fn exports() -> &'static Path {
-    static FOLDER: OnceLock<TempDir> = OnceLock::new();
-    let folder = FOLDER.get_or_init(|| {
-        let folder = tempfile::tempdir().unwrap();
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("exports");
         let log = workspace().join("samples/killian.log.gz");
         let formats = "nav2,nav2-vector,rmf,dxf,svg,png,json-fg,gpkg,mcap,tum,kitti,g2o,carmen";
-        let output = folder.path().to_str().unwrap();
+        let output = folder.to_str().unwrap();
         polymapper(&["build", log.to_str().unwrap(), "-o", output, "--export", formats]);
         folder
-    });
-    folder.path()
+    })
+}
+
+/// A folder with a small map drawn by hand, with an eraser box, a closed line and a large id; exported without scans.
+fn small() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let map = r#"{"format": "polymapper-map", "version": 1, "polylines": [
+        {"id": 3, "vertices": [[-1234.5678, 0.0], [5.0, 0.0]]},
+        {"id": 2147483647, "vertices": [[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [1.0, 2.0], [1.0, 1.0]]}],
+        "eraser_boxes": [{"min": [3.0, 1.5], "max": [4.0, 2.25]}]}"#;
+    let way = "scan,stamp_s,x_m,y_m,theta_rad,outcome,reason\n0,5.0,0.0,0.5,0.0,placed,\n\
+               1,6.0,0.5,0.5,0.1,placed,\n2,7.0,,,,not_placed,lost\n3,8.0,1.5,0.5,0.2,placed,\n";
+    fs::write(folder.path().join("map.json"), map).unwrap();
+    fs::write(folder.path().join("trajectory.csv"), way).unwrap();
+    let map = folder.path().join("map.json");
+    polymapper(&[
+        "export",
+        map.to_str().unwrap(),
+        "--to",
+        "dxf,gpkg,json-fg,nav2-vector",
+    ]);
+    folder
 }
 
 /// Has `check.py` read the export `what` in `folder`.
@@ -62,6 +82,19 @@ fn check(what: &str, folder: &Path) {
         .unwrap();
     let said = String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr);
     assert!(run.status.success() && said.contains("sound"), "{what}: {said}");
+}
+
+#[test]
+fn a_small_map_with_all_there_is_passes_them_all() {
+    let folder = small();
+    for what in ["dxf", "gpkg", "json-fg", "nav2-vector"] {
+        check(what, folder.path());
+    }
+}
+
+#[test]
+fn the_rules_of_the_vector_object_server_are_kept() {
+    check("nav2-vector", exports());
 }
 
 #[test]

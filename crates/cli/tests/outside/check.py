@@ -52,7 +52,8 @@ def dxf():
     walls = drawing.modelspace().query('POLYLINE[layer=="WALLS"]')
     same_lines({int(w.get_xdata("POLYMAPPER")[0].value[3:]): [tuple(p) for p in w.points()] for w in walls})
     assert len(drawing.modelspace().query('POLYLINE[layer=="WAY"]')) >= 1
-    assert len(drawing.modelspace().query('POLYLINE[layer=="ERASER_BOXES"]')) == len(BOXES)
+    boxes = drawing.modelspace().query('POLYLINE[layer=="ERASER_BOXES"]')
+    assert len(boxes) == len(BOXES) and all(b.is_closed for b in boxes)
 
 
 def line_of_wkb(wkb):
@@ -81,8 +82,12 @@ def gpkg():
     assert info["geometry_type"] == "LineString", info
     assert "Undefined Cartesian SRS" in info["crs"] and "degree" not in info["crs"].lower(), info["crs"]
     same_lines(walls)
-    layers = {name for name, _ in pyogrio.list_layers(FOLDER / "map.gpkg")}
-    assert "way" in layers, layers
+    kinds = dict(pyogrio.list_layers(FOLDER / "map.gpkg").tolist())
+    assert kinds.pop("way") == "LineString", kinds
+    assert kinds == {"walls": "LineString", **({"eraser_boxes": "Polygon"} if BOXES else {})}, kinds
+    if BOXES:
+        _, bounds = pyogrio.read_bounds(FOLDER / "map.gpkg", layer="eraser_boxes")
+        near([*bounds[:, 0]], [*BOXES[0][0], *BOXES[0][1]])
 
 
 def json_fg():
@@ -192,15 +197,14 @@ def evo():
 
 def nav2():
     """map.yaml and map.pgm by the rules of nav2_map_server (map_io.cpp), trinary mode."""
-    yaml = {}
-    for line in (FOLDER / "map.yaml").read_text().splitlines():
-        key, value = line.split(": ", 1)
-        yaml[key] = value
-    resolution = float(yaml["resolution"])
-    x0, y0, yaw = json.loads(yaml["origin"])
-    assert (yaml["mode"], yaml["negate"], yaw) == ("trinary", "0", 0.0)
-    free_thresh, occupied_thresh = float(yaml["free_thresh"]), float(yaml["occupied_thresh"])
-    kind, size, most, pixels = (FOLDER / json.loads(yaml["image"])).read_bytes().split(b"\n", 3)
+    import yaml
+
+    head = yaml.safe_load((FOLDER / "map.yaml").read_text())
+    resolution = head["resolution"]
+    x0, y0, yaw = head["origin"]
+    assert (head["mode"], head["negate"], yaw) == ("trinary", 0, 0.0)
+    free_thresh, occupied_thresh = head["free_thresh"], head["occupied_thresh"]
+    kind, size, most, pixels = (FOLDER / head["image"]).read_bytes().split(b"\n", 3)
     width, height = map(int, size.split())
     assert (kind, most, len(pixels)) == (b"P5", b"255", width * height)
 
@@ -223,7 +227,33 @@ def nav2():
     assert pixels.count(254) > 1000 and pixels.count(205) > 1000
 
 
-CHECKS = {c.__name__.replace("_", "-"): c for c in (dxf, gpkg, json_fg, georef, mcap, evo, nav2)}
+def nav2_vector():
+    """map.vector.yaml by the rules of the vector object server (vector_object_shapes.cpp, Polygon::obtainParams)."""
+    import yaml
+
+    params = yaml.safe_load((FOLDER / "map.vector.yaml").read_text())["vector_object_server"]["ros__parameters"]
+    walls = {}
+    for name in params["shapes"]:
+        shape = params[name]
+        points = shape["points"]
+        assert shape["type"] == "polygon" and shape["frame_id"] == "map" and shape["value"] == 100
+        # A parameter of doubles with a whole number in it is refused; fewer than three points as well.
+        assert all(type(p) is float for p in points), points
+        assert len(points) >= 6 and len(points) % 2 == 0
+        pairs = [points[k : k + 2] for k in range(0, len(points), 2)]
+        if not name.startswith("polyline_"):
+            assert shape["closed"] is True
+            continue
+        assert shape["closed"] is False
+        wall = WALLS[int(name.removeprefix("polyline_"))]
+        if len(wall) == 2:
+            near(pairs.pop(1), [(wall[0][k] + wall[1][k]) / 2 for k in (0, 1)])
+        walls[int(name.removeprefix("polyline_"))] = pairs
+    same_lines(walls)
+    assert len(params["shapes"]) == len(WALLS) + len(BOXES)
+
+
+CHECKS = {c.__name__.replace("_", "-"): c for c in (dxf, gpkg, json_fg, georef, mcap, evo, nav2, nav2_vector)}
 
 if __name__ == "__main__":
     CHECKS[sys.argv[1]]()
