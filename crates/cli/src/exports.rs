@@ -87,8 +87,8 @@ pub fn write_all(
             .with_context(|| format!("no {} was written", format.name))?;
         let names: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
         say(format_args!("{}: {}", format.name, names.join(", ")));
-        if let Some(lack) = format.lack(&subject) {
-            say(format_args!("note: {}: {lack}", format.name));
+        for note in format.notes(&subject) {
+            say(format_args!("note: {}: {note}", format.name));
         }
     }
     Ok(())
@@ -154,7 +154,12 @@ impl<'a> LogScans<'a> {
     fn compare(&self) -> anyhow::Result<()> {
         let mut scans = 0;
         for entry in scans::open(&self.path, self.options.clone())? {
-            let (place, stamp_s) = match entry? {
+            let entry = match entry {
+                // A log that breaks off gave a map of what came before.
+                Err(_) if scans >= self.rows.len() => break,
+                entry => entry?,
+            };
+            let (place, stamp_s) = match entry {
                 Entry::Scan(scan) => (scan.index, scan.stamp_s),
                 Entry::Bad(bad) => (bad.index, None),
             };
@@ -189,8 +194,15 @@ impl ScanSource for LogScans<'_> {
         each: &mut dyn FnMut(usize, &Scan) -> io::Result<()>,
     ) -> Result<(), Box<dyn Error + Send + Sync>> {
         for entry in scans::open(&self.path, self.options.clone())? {
-            if let Entry::Scan(scan) = entry? {
-                each(scan.index, &scan.scan)?;
+            let place = match entry? {
+                Entry::Scan(scan) => {
+                    each(scan.index, &scan.scan)?;
+                    scan.index
+                }
+                Entry::Bad(bad) => bad.index,
+            };
+            if place + 1 >= self.rows.len() {
+                break;
             }
         }
         Ok(())

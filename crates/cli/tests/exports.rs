@@ -1,5 +1,7 @@
 //! `export` and `import` as a user meets them: what comes back, what is missing, what is refused.
 
+#![expect(clippy::unwrap_used, reason = "a test may fail by panic")]
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,8 @@
 //! Exports read by other people's programs: ezdxf, GDAL, mcap, rosbags, evo, Open-RMF. `tests/outside/install.sh` installs them;
 //! where they are not installed these tests say that they were skipped.
 
+#![expect(clippy::unwrap_used, reason = "a test may fail by panic")]
+
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;

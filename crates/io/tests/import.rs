@@ -1,5 +1,7 @@
 //! Drawings that are cut, wrong or meant to do harm: a clear error, bounded time and memory, no panic.
 
+#![expect(clippy::unwrap_used, reason = "a test may fail by panic")]
+
 use polymapper_io::import::{ImportOptions, import_bytes};
 
 fn fault(text: &str) -> String {

@@ -21,7 +21,10 @@ BOXES = [(b["min"], b["max"]) for b in MAP["eraser_boxes"]]
 def placed():
     with open(FOLDER / "trajectory.csv", newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["outcome"] == "placed"]
-    return [tuple(float(row[k]) for k in ("stamp_s", "x_m", "y_m", "theta_rad")) for row in rows]
+    way = [tuple(float(row[k]) for k in ("stamp_s", "x_m", "y_m", "theta_rad")) for row in rows]
+    if all(a[0] < b[0] for a, b in zip(way, way[1:])):
+        return way
+    return [(0.1 * int(row["scan"]), *pose[1:]) for row, pose in zip(rows, way)]
 
 
 def near(a, b, tolerance=1e-4):

@@ -49,7 +49,9 @@ fn line(out: &mut impl Write, scan: &PlacedScan<'_>) -> io::Result<()> {
     if !plain {
         write!(out, " 0 0 0 0 0")?;
     }
-    writeln!(out, " {0:.6} polymapper {0:.6}", scan.time_s)
+    // The stamps of the log, also where they run backwards: the order of the lines is the true one.
+    let stamp_s = scan.stamp_s.unwrap_or(scan.time_s);
+    writeln!(out, " {stamp_s:.6} polymapper {stamp_s:.6}")
 }
 
 fn ranges(out: &mut impl Write, scan: &Scan) -> io::Result<()> {

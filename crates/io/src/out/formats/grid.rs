@@ -267,7 +267,7 @@ mod tests {
     fn cells(from: (f64, f64), to: (f64, f64)) -> Vec<(i64, i64)> {
         let mut cells = Vec::new();
         walk(Point::new(from.0, from.1), Point::new(to.0, to.1), |c, r| {
-            cells.push((c, r))
+            cells.push((c, r));
         });
         cells
     }

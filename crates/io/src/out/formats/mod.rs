@@ -229,21 +229,32 @@ impl ExportFormat {
         Ok(self.endings.iter().map(|ending| place.path(ending)).collect())
     }
 
-    /// What the format does without, in words, where trajectory or scans are missing; `None` when nothing is.
+    /// What the user should know about the export, in words: what it does without, what was assumed.
     #[must_use]
-    pub fn lack(&self, subject: &Subject<'_>) -> Option<&'static str> {
+    pub fn notes(&self, subject: &Subject<'_>) -> Vec<&'static str> {
+        let mut notes = Vec::new();
         match (self.name, subject.trajectory.is_some(), subject.scans.is_some()) {
             ("nav2", _, false) => {
-                Some("no scans, so no free space: only the walls are in the grid, everything else is unknown")
+                notes.push(
+                    "no scans, so no free space: only the walls are in the grid, everything else is unknown",
+                );
             }
             ("mcap", true, false) => {
-                Some("no scans: /scan is left out, and the grid has walls and no free space")
+                notes.push("no scans: /scan is left out, and the grid has walls and no free space");
             }
             ("mcap", false, false) => {
-                Some("no scans, no trajectory: only the lines and the grid of walls, without free space")
+                notes.push(
+                    "no scans, no trajectory: only the lines and the grid of walls, without free space",
+                );
             }
-            _ => None,
+            _ => {}
         }
+        if self.name == "mcap" && subject.trajectory.is_some() && !subject.has_usable_stamps() {
+            notes.push(
+                "the stamps of the log do not grow from scan to scan: the scans are taken as 0.1 s apart",
+            );
+        }
+        notes
     }
 }
 

@@ -63,7 +63,9 @@ pub trait ScanSource {
 pub struct PlacedScan<'a> {
     /// 0-based place in the log.
     pub scan: usize,
-    /// The time of the scan, see [`Times`].
+    /// Stamp of the log, seconds.
+    pub stamp_s: Option<f64>,
+    /// A time that grows from scan to scan, seconds: the stamps where they do, see [`Subject::has_usable_stamps`].
     pub time_s: f64,
     /// Pose of the laser in the map.
     pub map_from_scan: Pose,
@@ -80,6 +82,13 @@ pub(super) struct PlacedRow {
 }
 
 impl Subject<'_> {
+    /// Whether the stamps of the placed scans grow from scan to scan. Where they do not (missing, the same twice, running
+    /// backwards), formats that need times that grow take the scans as 0.1 s apart.
+    #[must_use]
+    pub fn has_usable_stamps(&self) -> bool {
+        Times::of(self.trajectory.unwrap_or_default()).by_stamp
+    }
+
     /// The placed scans of the trajectory, with times that grow; empty without a trajectory.
     pub(super) fn placed_rows(&self) -> Vec<PlacedRow> {
         let rows = self.trajectory.unwrap_or_default();
@@ -132,6 +141,7 @@ impl Subject<'_> {
                 };
                 each(PlacedScan {
                     scan,
+                    stamp_s: row.stamp_s,
                     time_s: times.of_row(row),
                     map_from_scan,
                     readings,
@@ -148,8 +158,7 @@ fn placed(row: &TrajectoryRow) -> Option<Pose> {
     }
 }
 
-/// When scans were taken. Players and tools need times that grow: where the stamps of the placed scans do not (missing,
-/// the same twice, running backwards), all scans are taken as 0.1 s apart, from 0 on.
+/// When scans were taken, see [`Subject::has_usable_stamps`].
 struct Times {
     by_stamp: bool,
 }
