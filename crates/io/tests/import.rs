@@ -74,7 +74,14 @@ fn things_that_unfold_are_stopped() {
     assert!(fault(&format!("{{\"type\":{}", "[".repeat(1_000_000))).contains("no JSON"));
     // Curves of many sides, many times.
     let curves = "C9e6 9e6 -9e6 -9e6 1 1 ".repeat(40_000);
-    assert!(fault(&svg(&format!("<path d=\"M0 0 {curves}\"/>"))).contains("too many points"));
+    let path = format!("<path d=\"M0 0 {curves}\"/>");
+    assert!(fault(&svg(&path.repeat(20))).contains("20 × line 1, <path>: a path of too many points"));
+    // Boxes that each would be compared with all others.
+    let boxes: String = (0..20_000)
+        .map(|k| format!("<rect x=\"{k}\" width=\"0.5\" height=\"1\"/>"))
+        .collect();
+    let boxes = svg(&format!("<g id=\"layer-eraser-boxes\">{boxes}</g>"));
+    assert!(fault(&boxes).contains("more than 10000 eraser boxes"));
 }
 
 #[test]

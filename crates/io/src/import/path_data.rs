@@ -10,8 +10,8 @@ const MOST_SIDES: f64 = 256.0;
 /// The pieces of a path. A closed piece ends with its first point.
 ///
 /// # Errors
-/// A command that is not known, numbers that are none or too few, more than `most_points`.
-pub(super) fn pieces(data: &str, tolerance: f64, most_points: usize) -> Result<Vec<Vec<Point>>, String> {
+/// A command that is not known, numbers that are none or too few, more than `left` points; those that came are taken off it.
+pub(super) fn pieces(data: &str, tolerance: f64, left: &mut usize) -> Result<Vec<Vec<Point>>, String> {
     let mut path = Path {
         tokens: Tokens(data.trim_start()),
         pieces: Vec::new(),
@@ -19,7 +19,7 @@ pub(super) fn pieces(data: &str, tolerance: f64, most_points: usize) -> Result<V
         at: Point::new(0.0, 0.0),
         control: None,
         tolerance,
-        left: most_points,
+        left,
     };
     let mut command = None;
     while !path.tokens.is_empty() {
@@ -50,7 +50,8 @@ struct Path<'a> {
     /// The last control point and whether it was that of a cubic curve, for `S` and `T`.
     control: Option<(Point, bool)>,
     tolerance: f64,
-    left: usize,
+    /// Points that may still come, of this path and all others of the drawing.
+    left: &'a mut usize,
 }
 
 impl Path<'_> {
@@ -121,7 +122,7 @@ impl Path<'_> {
     }
 
     fn go(&mut self, to: Point) -> Result<(), String> {
-        self.left = self.left.checked_sub(1).ok_or("a path of too many points")?;
+        *self.left = self.left.checked_sub(1).ok_or("a path of too many points")?;
         self.at = to;
         match self.pieces.last_mut() {
             Some(piece) => piece.push(to),
@@ -210,7 +211,7 @@ mod tests {
     use super::*;
 
     fn read(data: &str) -> Vec<Vec<(f64, f64)>> {
-        let pieces = pieces(data, 0.01, 10_000).unwrap();
+        let pieces = pieces(data, 0.01, &mut 10_000).unwrap();
         pieces
             .iter()
             .map(|p| p.iter().map(|p| (p.x, p.y)).collect())
@@ -254,7 +255,7 @@ mod tests {
 
     #[test]
     fn what_is_no_path_is_told() {
-        let fault = |data| pieces(data, 1.0, 100).unwrap_err();
+        let fault = |data| pieces(data, 1.0, &mut 100).unwrap_err();
         assert!(fault("M1 2 L3").contains("a number is expected"));
         assert!(fault("L1 2").contains("does not begin with a move"));
         assert!(fault("M0 0 A1 1 0 0 0 2 2").contains("elliptic arc"));

@@ -9,6 +9,8 @@ use super::Imported;
 
 /// More vertices than this are no map (curves can unfold a small file to many).
 const MOST_VERTICES: usize = 4_000_000;
+/// More boxes are no map either; each is compared with all others.
+const MOST_BOXES: usize = 10_000;
 /// Farther from the origin is no place in a building, metres.
 const FARTHEST_M: f64 = 1e7;
 /// A vertex this near its old place did not move, metres.
@@ -91,6 +93,9 @@ impl Shapes {
         }
         match role {
             Role::Wall => self.lines.push(line),
+            Role::EraserBox if self.boxes.len() == MOST_BOXES => {
+                return Err(format!("more than {MOST_BOXES} eraser boxes"));
+            }
             Role::EraserBox => match box_around(&line.points) {
                 Some(b) => self.boxes.push(b),
                 None => self.skip("empty eraser box"),

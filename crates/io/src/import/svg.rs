@@ -64,7 +64,7 @@ fn frame(root: Node<'_, '_>, options: &ImportOptions, shapes: &mut Shapes) -> Re
     let mark = root.descendants().find(|n| n.attribute("id") == Some(FRAME_ID));
     if let Some(mark) = mark {
         let in_root = above(mark)?;
-        let points = pieces(mark.attribute("d").unwrap_or(""), 1.0, 16)?;
+        let points = pieces(mark.attribute("d").unwrap_or(""), 1.0, &mut 16)?;
         let points: Vec<Point> = points.iter().flatten().map(|&p| in_root.of(p)).collect();
         let &[x, origin, y] = points.as_slice() else {
             return Err(format!(
@@ -144,7 +144,7 @@ impl Reader {
 
     fn shape(&mut self, node: Node<'_, '_>, map_from_shape: Transform, role: Role) -> Result<(), String> {
         let tolerance = self.tolerance_m / map_from_shape.stretch().max(1e-12);
-        let pieces = match points(node, tolerance, self.left) {
+        let pieces = match points(node, tolerance, &mut self.left) {
             Ok(Some(pieces)) => pieces,
             Ok(None) => {
                 self.shapes.skip(&format!("<{}>", node.tag_name().name()));
@@ -158,7 +158,6 @@ impl Reader {
         // Of a path in several pieces the first keeps the id.
         let mut id = polyline_id(node);
         for piece in pieces {
-            self.left = self.left.saturating_sub(piece.len());
             let points = piece.iter().map(|&p| map_from_shape.of(p)).collect();
             let line = Line {
                 id: id.take(),
@@ -187,7 +186,7 @@ fn polyline_id(node: Node<'_, '_>) -> Option<u64> {
 }
 
 /// The pieces of a thing that is made of lines; `None` for another.
-fn points(node: Node<'_, '_>, tolerance: f64, most: usize) -> Result<Option<Vec<Vec<Point>>>, String> {
+fn points(node: Node<'_, '_>, tolerance: f64, left: &mut usize) -> Result<Option<Vec<Vec<Point>>>, String> {
     let number = |name: &str| -> Result<f64, String> {
         let text = node.attribute(name).unwrap_or("0").trim();
         text.parse().map_err(|_| {
@@ -198,7 +197,7 @@ fn points(node: Node<'_, '_>, tolerance: f64, most: usize) -> Result<Option<Vec<
         })
     };
     Ok(Some(match node.tag_name().name() {
-        "path" => pieces(node.attribute("d").unwrap_or(""), tolerance, most)?,
+        "path" => pieces(node.attribute("d").unwrap_or(""), tolerance, left)?,
         "line" => vec![vec![
             Point::new(number("x1")?, number("y1")?),
             Point::new(number("x2")?, number("y2")?),
@@ -221,7 +220,7 @@ fn points(node: Node<'_, '_>, tolerance: f64, most: usize) -> Result<Option<Vec<
             } else {
                 ""
             };
-            pieces(&format!("{data}{end}"), tolerance, most)?
+            pieces(&format!("{data}{end}"), tolerance, left)?
         }
         _ => return Ok(None),
     }))
