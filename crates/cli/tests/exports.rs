@@ -109,8 +109,8 @@ fn a_map_comes_back_from_every_drawing_with_ids_and_boxes() {
     }
 }
 
-/// What Inkscape leaves of an export: the page moved and scaled by the layers' transforms, a line moved, one split in two pieces, one copied, one
-/// drawn anew, a text beside.
+/// What Inkscape leaves of an export: the page moved and scaled by the layers' transforms, a line moved, one
+/// split in two pieces, one copied, one drawn anew, a text beside.
 #[test]
 fn an_svg_edited_by_hand_keeps_its_ids_and_finds_its_frame() {
     let bench = Bench::new();

@@ -1,5 +1,5 @@
-//! Exports read by other people's programs: ezdxf, GDAL, mcap, rosbags, evo, Open-RMF. `tests/outside/install.sh` installs them;
-//! where they are not installed these tests say that they were skipped.
+//! Exports read by other people's programs: ezdxf, GDAL, mcap, rosbags, evo, Open-RMF. `tests/outside/install.sh`
+//! installs them; where they are not installed these tests say that they were skipped.
 
 #![expect(clippy::unwrap_used, reason = "a test may fail by panic")]
 
@@ -49,7 +49,8 @@ fn exports() -> &'static Path {
     })
 }
 
-/// A folder with a small map drawn by hand, with an eraser box, a closed line and a large id; exported without scans.
+/// A folder with a small map drawn by hand, with an eraser box, a closed line and a large id; exported without
+/// scans.
 fn small() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let map = r#"{"format": "polymapper-map", "version": 1, "polylines": [

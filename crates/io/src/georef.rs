@@ -1,10 +1,10 @@
 //! Where on Earth a map lies: map frame ⇄ WGS 84 ⇄ UTM.
 //!
-//! In goes where the map's origin lies and where its x axis points. The map is laid on the plane that touches
-//! the ellipsoid at the origin (east, north, up), its points are taken to Earth-centred coordinates and from there to
-//! latitude and longitude; the height of the plane above the ellipsoid, 0.08 m at 1 km, is dropped. UTM is the transverse
-//! Mercator projection by Krüger's series (Karney 2011, "Transverse Mercator with an accuracy of a few nanometers",
-//! to n⁴: 1 µm inside a zone).
+//! In goes where the map's origin lies and where its x axis points. The map is laid on the plane that touches the
+//! ellipsoid at the origin (east, north, up), its points are taken to Earth-centred coordinates and from there to
+//! latitude and longitude; the height of the plane above the ellipsoid, 0.08 m at 1 km, is dropped. UTM is the
+//! transverse Mercator projection by Krüger's series (Karney 2011, "Transverse Mercator with an accuracy of a few
+//! nanometers", to n⁴: 1 µm inside a zone).
 
 use std::str::FromStr;
 
@@ -289,8 +289,8 @@ mod tests {
         }
     }
 
-    /// The CN Tower in Toronto, the usual worked example: 43°38'33.24" N 79°23'13.7" W is 630 084 m E, 4 833 438 m N
-    /// in zone 17.
+    /// The CN Tower in Toronto, the usual worked example: 43°38'33.24" N 79°23'13.7" W is 630 084 m E, 4 833 438
+    /// m N in zone 17.
     #[test]
     fn utm_of_a_known_tower() {
         let tower = place(

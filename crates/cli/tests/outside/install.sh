@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Installs the programs that `cargo test --test outside` reads the exports with, into target/outside (thrown away with it):
-# ezdxf, GDAL (in pyogrio), mcap, rosbags and evo from the Python package index, and Open-RMF's rmf_site_format, compiled.
-# Without them those tests say that they were skipped. Needs python3 with venv; nothing outside target is touched.
+# Installs the programs that `cargo test --test outside` reads the exports with, into target/outside (thrown away
+# with it): ezdxf, GDAL (in pyogrio), mcap, rosbags and evo from the Python package index, and Open-RMF's
+# rmf_site_format, compiled. Without them those tests say that they were skipped. Needs python3 with venv; nothing
+# outside target is touched.
 set -euo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 place="$(cd "$here/../../../.." && pwd)/target/outside"

@@ -1,7 +1,7 @@
 //! DXF as text, R12 and later → lines.
 //!
-//! `LINE`, `POLYLINE` and `LWPOLYLINE` of the model; ids are the extended data that the export gave them. Units are those of `$INSUNITS`, metres
-//! where it says nothing. Group codes: Autodesk, DXF Reference.
+//! `LINE`, `POLYLINE` and `LWPOLYLINE` of the model; ids are the extended data that the export gave them. Units
+//! are those of `$INSUNITS`, metres where it says nothing. Group codes: Autodesk, DXF Reference.
 
 use std::iter::Peekable;
 

@@ -1,7 +1,8 @@
 //! GeoJSON and JSON-FG → lines.
 //!
-//! A feature lies in its `place`, in the system that `coordRefSys` names: metres of the map frame ("Engineering2D"), or UTM. Where there is no `place`
-//! it lies in `geometry`, in longitude and latitude. Both UTM and degrees need the place of the map on Earth, as the export had it.
+//! A feature lies in its `place`, in the system that `coordRefSys` names: metres of the map frame
+//! ("Engineering2D"), or UTM. Where there is no `place` it lies in `geometry`, in longitude and latitude. Both
+//! UTM and degrees need the place of the map on Earth, as the export had it.
 
 use polymapper_core::geometry::Point;
 use serde_json::Value;
@@ -216,8 +217,8 @@ fn zone(code: &str) -> Option<UtmZone> {
     })
 }
 
-/// Where a point of the grid is in the map, by Newton's method: the grid is the map turned and hardly stretched, so that every round gains many
-/// digits.
+/// Where a point of the grid is in the map, by Newton's method: the grid is the map turned and hardly stretched,
+/// so that every round gains many digits.
 fn from_utm(georef: Georef, zone: UtmZone, target: Point) -> Point {
     const STEP_M: f64 = 1.0;
     let project = |p: Point| zone.project(georef.earth_from_map(p));

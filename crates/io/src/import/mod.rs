@@ -1,8 +1,9 @@
 //! A map that was edited by hand, read back: SVG, DXF, GeoJSON or JSON-FG.
 //!
-//! In goes a file that an export wrote and a drawing program or GIS changed; out comes a map. The kind of file is recognised by its
-//! content. Lines that still carry an id keep it, new ones get the next free one; what is no line is counted and told. Files are hostile
-//! until shown otherwise: their size and what they unfold to have limits, and nothing in them can make the program panic.
+//! In goes a file that an export wrote and a drawing program or GIS changed; out comes a map. The kind of file is
+//! recognised by its content. Lines that still carry an id keep it, new ones get the next free one; what is no
+//! line is counted and told. Files are hostile until shown otherwise: their size and what they unfold to have
+//! limits, and nothing in them can make the program panic.
 
 mod dxf;
 mod geojson;
@@ -22,8 +23,8 @@ use crate::georef::Georef;
 use crate::out::{MAP_FORMAT, MapFileError, map_from_json};
 use shapes::Shapes;
 
-/// The largest file that is read. A map of a hundred thousand vertices takes 5 MB; the worst of this size, positions
-/// of GeoJSON without end, take 0.55 GB of memory.
+/// The largest file that is read. A map of a hundred thousand vertices takes 5 MB; the worst of this size,
+/// positions of GeoJSON without end, take 0.55 GB of memory.
 const MOST_BYTES: u64 = 16 << 20;
 
 /// What the user knows about the file.

@@ -1,6 +1,7 @@
 //! The `d` of an SVG path (SVG 1.1, section 8.3) → polylines.
 //!
-//! Lines, horizontals, verticals, closed pieces and Bézier curves; curves become lines that keep within the tolerance. Elliptic arcs are refused.
+//! Lines, horizontals, verticals, closed pieces and Bézier curves; curves become lines that keep within the
+//! tolerance. Elliptic arcs are refused.
 
 use polymapper_core::geometry::Point;
 
@@ -10,7 +11,8 @@ const MOST_SIDES: f64 = 256.0;
 /// The pieces of a path. A closed piece ends with its first point.
 ///
 /// # Errors
-/// A command that is not known, numbers that are none or too few, more than `left` points; those that came are taken off it.
+/// A command that is not known, numbers that are none or too few, more than `left` points; those that came are
+/// taken off it.
 pub(super) fn pieces(data: &str, tolerance: f64, left: &mut usize) -> Result<Vec<Vec<Point>>, String> {
     let mut path = Path {
         tokens: Tokens(data.trim_start()),
@@ -131,8 +133,8 @@ impl Path<'_> {
         Ok(())
     }
 
-    /// A cubic curve as lines: with n sides it is off by at most ¾ · (largest second difference) / n², halved again here by taking
-    /// the ceiling.
+    /// A cubic curve as lines: with n sides it is off by at most ¾ · (largest second difference) / n², halved
+    /// again here by taking the ceiling.
     fn curve(&mut self, first: Point, second: Point, to: Point) -> Result<(), String> {
         let from = self.at;
         let bend = |a: Point, b: Point, c: Point| (a - b + (c - b)).norm();

@@ -47,8 +47,8 @@ pub(super) enum Role {
 }
 
 impl Role {
-    /// The role of a layer by its name, however a format spells it: eraser boxes, the way and the frame have theirs,
-    /// everything else is walls.
+    /// The role of a layer by its name, however a format spells it: eraser boxes, the way and the frame have
+    /// theirs, everything else is walls.
     pub fn of_layer(name: &str) -> Self {
         match name.to_lowercase().replace(['_', '-'], " ").as_str() {
             "eraser boxes" => Self::EraserBox,

@@ -1,8 +1,8 @@
 //! SVG → lines.
 //!
-//! Paths, lines, polylines, polygons and rectangles, with the transforms above them. Where the map's frame is in the drawing is told by the
-//! path that the export put into the layer `frame`; in its absence by the scale of the root or of the user, with the origin of the drawing as
-//! that of the map.
+//! Paths, lines, polylines, polygons and rectangles, with the transforms above them. Where the map's frame is in
+//! the drawing is told by the path that the export put into the layer `frame`; in its absence by the scale of the
+//! root or of the user, with the origin of the drawing as that of the map.
 
 use polymapper_core::geometry::Point;
 use roxmltree::{Document, Node, ParsingOptions};

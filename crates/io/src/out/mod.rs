@@ -1,9 +1,9 @@
-//! What a build leaves behind, as files: map, trajectory, report, polylines of scans; and the [`formats`] that a map can be
-//! exported to.
+//! What a build leaves behind, as files: map, trajectory, report, polylines of scans; and the [`formats`] that a
+//! map can be exported to.
 //!
-//! Every writer takes any [`std::io::Write`]; [`AtomicFile`] makes sure that a file is there whole or not at
-//! all. Numbers are written with as many decimals as carry meaning: 0.1 mm and 1 µrad.
-//! `docs/map-format.md` describes every file for those who read them.
+//! Every writer takes any [`std::io::Write`]; [`AtomicFile`] makes sure that a file is there whole or not at all.
+//! Numbers are written with as many decimals as carry meaning: 0.1 mm and 1 µrad. `docs/map-format.md` describes
+//! every file for those who read them.
 
 mod atomic;
 mod decimals;

@@ -1,6 +1,7 @@
 //! `trajectory.csv` read back: poses for exports of a map that was built before.
 //!
-//! In goes a file that [`super::write_trajectory_csv`] wrote, maybe with more columns; columns are found by their names.
+//! In goes a file that [`super::write_trajectory_csv`] wrote, maybe with more columns; columns are found by their
+//! names.
 
 use std::fs::File;
 use std::io::Read;

@@ -1,8 +1,8 @@
 //! CARMEN log of the placed scans with the poses of the map in place of odometry.
 //!
-//! Scans of 180 or 181 beams 1° apart and of 360 or 361 beams 0.5° apart from −90° are `FLASER` lines, which old tools
-//! read; all others `ROBOTLASER1`, which hold their geometry. No return is written as 81.83 m, the code of the published
-//! logs, beyond what any reader takes for a wall.
+//! Scans of 180 or 181 beams 1° apart and of 360 or 361 beams 0.5° apart from −90° are `FLASER` lines, which old
+//! tools read; all others `ROBOTLASER1`, which hold their geometry. No return is written as 81.83 m, the code of
+//! the published logs, beyond what any reader takes for a wall.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::{self, Write};

@@ -1,7 +1,8 @@
 //! DXF R12 (AC1009): polylines in metres, y up, a layer for each kind of thing.
 //!
-//! R12 is what every CAD program reads. Every polyline carries its id as extended data of the application `POLYMAPPER`, which
-//! CAD programs keep with the line; `polymapper import` reads it back. Group codes: Autodesk, DXF Reference R12.
+//! R12 is what every CAD program reads. Every polyline carries its id as extended data of the application
+//! `POLYMAPPER`, which CAD programs keep with the line; `polymapper import` reads it back. Group codes: Autodesk,
+//! DXF Reference R12.
 
 use std::io::{self, Write};
 

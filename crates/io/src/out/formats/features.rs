@@ -5,8 +5,8 @@ use serde_json::{Map as JsonMap, Value, json};
 
 use super::{ERASER_BOXES, Subject, WALLS, WAY};
 
-/// Coordinate system of maps without a place on Earth, as JSON-FG names it (OGC 21-045r1, 7.5.3): "for unknown coordinate
-/// reference systems, such as with CAD engineering drawings".
+/// Coordinate system of maps without a place on Earth, as JSON-FG names it (OGC 21-045r1, 7.5.3): "for unknown
+/// coordinate reference systems, such as with CAD engineering drawings".
 pub(crate) const ENGINEERING_2D: &str = "http://www.opengis.net/def/crs/OGC/0/Engineering2D";
 
 /// Layer, id in the layer, properties, kind of geometry, points in the map frame.

@@ -1,8 +1,8 @@
 //! g2o: `VERTEX_SE2` for every placed scan, `EDGE_SE2` from each to the next.
 //!
-//! The vertices are the poses of the map. An edge holds the motion between two scans in a row *in the finished map*, so
-//! that the graph is at its optimum; its information is that of the pipeline's motion model (3 cm + 20 % of the way,
-//! 0.03 rad + 20 % of the turn). The loop edges that the mapper found are not in it.
+//! The vertices are the poses of the map. An edge holds the motion between two scans in a row *in the finished
+//! map*, so that the graph is at its optimum; its information is that of the pipeline's motion model (3 cm + 20 %
+//! of the way, 0.03 rad + 20 % of the turn). The loop edges that the mapper found are not in it.
 
 use std::io::Write;
 

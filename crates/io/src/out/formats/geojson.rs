@@ -1,8 +1,8 @@
 //! JSON-FG (OGC 21-045r1) in the map frame, and GeoJSON (RFC 7946) for maps with a place on Earth.
 //!
-//! GeoJSON knows longitude and latitude only; metres in it would be read as degrees. So the map frame goes into the member
-//! `place` of JSON-FG, in the coordinate system for engineering drawings or, with a place on Earth, in UTM; `geometry` is then null, or
-//! the same in longitude and latitude. One feature a line.
+//! GeoJSON knows longitude and latitude only; metres in it would be read as degrees. So the map frame goes into
+//! the member `place` of JSON-FG, in the coordinate system for engineering drawings or, with a place on Earth, in
+//! UTM; `geometry` is then null, or the same in longitude and latitude. One feature a line.
 
 use std::io::{self, Write};
 

@@ -1,7 +1,7 @@
 //! GeoPackage 1.3 (OGC 12-128r17): a table for each layer, geometries in metres.
 //!
-//! Coordinate system −1, "undefined Cartesian", in the map frame, or the UTM zone of a map with a place on Earth. The database is made
-//! in memory and written in one go; nothing in it depends on the clock.
+//! Coordinate system −1, "undefined Cartesian", in the map frame, or the UTM zone of a map with a place on Earth.
+//! The database is made in memory and written in one go; nothing in it depends on the clock.
 
 use std::io::Write;
 
@@ -128,8 +128,8 @@ fn table(
     Ok(())
 }
 
-/// GeoPackage binary: "GP", version, flags (little endian, envelope of x and y), coordinate system, envelope, then the geometry as well-known
-/// binary.
+/// GeoPackage binary: "GP", version, flags (little endian, envelope of x and y), coordinate system, envelope,
+/// then the geometry as well-known binary.
 fn geometry(points: &[Point], is_area: bool, srs: i32) -> Vec<u8> {
     const LITTLE_ENDIAN_WITH_ENVELOPE: u8 = 0b0000_0011;
     const EMPTY_LITTLE_ENDIAN: u8 = 0b0001_0001;

@@ -1,6 +1,7 @@
 //! An occupancy grid of the map: walls from the polylines, free space from the scans.
 //!
-//! In goes the map, and where they are known the placed scans; out comes a grid of free, occupied and unknown cells:
+//! In goes the map, and where they are known the placed scans; out comes a grid of free, occupied and unknown
+//! cells:
 //!
 //! | cell | when |
 //! |---|---|
@@ -8,7 +9,8 @@
 //! | free | more beams passed through it than ended in it, and no wall runs through it |
 //! | unknown | else: no beam came there. No return says nothing about free space, see `polymapper_core::scan` |
 //!
-//! Beams are followed cell by cell (Amanatides and Woo 1987). What moved through is passed through by other beams, and free.
+//! Beams are followed cell by cell (Amanatides and Woo 1987). What moved through is passed through by other
+//! beams, and free.
 
 use polymapper_core::geometry::Point;
 

@@ -1,9 +1,9 @@
 //! What a map can be exported to: one file a format, listed in [`FORMATS`].
 //!
-//! In goes a [`Subject`]: the map, and the trajectory and the scans where they are known. Out come files beside each
-//! other whose names begin alike, each whole or not at all, the same bytes for the same input. What a format cannot say is told in the
-//! notes, what it cannot do without is an error that says how to give it. `docs/exports.md` describes every format
-//! for those who use it.
+//! In goes a [`Subject`]: the map, and the trajectory and the scans where they are known. Out come files beside
+//! each other whose names begin alike, each whole or not at all, the same bytes for the same input. What a format
+//! cannot say is told in the notes, what it cannot do without is an error that says how to give it.
+//! `docs/exports.md` describes every format for those who use it.
 
 mod carmen;
 mod dxf;

@@ -6,8 +6,8 @@
 //! | free | 254 | 0.004 ≤ `free_thresh` |
 //! | unknown | 205 | 0.19608, between the two: `free_thresh` has to be 0.196, since at Nav2's own default of 0.25 unknown loads as free |
 //!
-//! The first row of the picture is the topmost. `origin` is the lower left corner of the lower left pixel; its yaw is 0, since many
-//! programs do not look at it. The path of the picture is relative to the YAML file.
+//! The first row of the picture is the topmost. `origin` is the lower left corner of the lower left pixel; its
+//! yaw is 0, since many programs do not look at it. The path of the picture is relative to the YAML file.
 
 use std::io::{self, Write};
 

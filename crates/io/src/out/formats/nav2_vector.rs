@@ -1,8 +1,9 @@
 //! Parameters of the Nav2 vector object server (`nav2_map_server`, `vector_object_server`).
 //!
-//! Every polyline is an open polygon: `closed: true` would fill it. The server draws from each point to the next and wants
-//! three points at least (`Polygon::obtainParams`), so a wall of two vertices gets its middle as a third. Points are
-//! float parameters: a number without a decimal point would be refused. Eraser boxes are filled polygons.
+//! Every polyline is an open polygon: `closed: true` would fill it. The server draws from each point to the next
+//! and wants three points at least (`Polygon::obtainParams`), so a wall of two vertices gets its middle as a
+//! third. Points are float parameters: a number without a decimal point would be refused. Eraser boxes are filled
+//! polygons.
 
 use std::fmt::Write as _;
 use std::io::Write;

@@ -1,7 +1,8 @@
 //! Open-RMF `.building.yaml`: one level, a wall for every side of every polyline.
 //!
 //! `coordinate_system: cartesian_meters`, so that nothing is scaled and y is up, as in the map. Typed values are
-//! `[type, value]`: 1 string, 2 whole number, 3 number, 4 truth. A level without a picture has an empty `drawing`.
+//! `[type, value]`: 1 string, 2 whole number, 3 number, 4 truth. A level without a picture has an empty
+//! `drawing`.
 
 use std::io::{self, Write};
 

@@ -65,7 +65,8 @@ pub struct PlacedScan<'a> {
     pub scan: usize,
     /// Stamp of the log, seconds.
     pub stamp_s: Option<f64>,
-    /// A time that grows from scan to scan, seconds: the stamps where they do, see [`Subject::has_usable_stamps`].
+    /// A time that grows from scan to scan, seconds: the stamps where they do, see
+    /// [`Subject::has_usable_stamps`].
     pub time_s: f64,
     /// Pose of the laser in the map.
     pub map_from_scan: Pose,
@@ -82,8 +83,8 @@ pub(super) struct PlacedRow {
 }
 
 impl Subject<'_> {
-    /// Whether the stamps of the placed scans grow from scan to scan. Where they do not (missing, the same twice, running
-    /// backwards), formats that need times that grow take the scans as 0.1 s apart.
+    /// Whether the stamps of the placed scans grow from scan to scan. Where they do not (missing, the same twice,
+    /// running backwards), formats that need times that grow take the scans as 0.1 s apart.
     #[must_use]
     pub fn has_usable_stamps(&self) -> bool {
         Times::of(self.trajectory.unwrap_or_default()).by_stamp

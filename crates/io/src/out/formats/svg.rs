@@ -1,9 +1,10 @@
 //! SVG to work on: real measures, a layer for each kind of thing, an id for every line.
 //!
-//! A unit of the drawing is a millimetre in the building, y down as SVG has it; the page is at 1:100. The layers are Inkscape's
-//! (`inkscape:groupmode`), other programs show them as groups. The locked layer `frame` holds two metres, one along each axis of
-//! the map: whatever a program does to the page, `polymapper import` finds the frame of the map by them. (The picture that
-//! `build` draws is another file: made to be looked at, in the pixels of its page.)
+//! A unit of the drawing is a millimetre in the building, y down as SVG has it; the page is at 1:100. The layers
+//! are Inkscape's (`inkscape:groupmode`), other programs show them as groups. The locked layer `frame` holds two
+//! metres, one along each axis of the map: whatever a program does to the page, `polymapper import` finds the
+//! frame of the map by them. (The picture that `build` draws is another file: made to be looked at, in the pixels
+//! of its page.)
 
 use std::io::{self, Write};
 

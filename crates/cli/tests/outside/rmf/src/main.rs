@@ -1,4 +1,5 @@
-//! `rmf-check FILE`: reads a `.building.yaml` with Open-RMF's own crate, converts it to a site, and prints the corners of its walls.
+//! `rmf-check FILE`: reads a `.building.yaml` with Open-RMF's own crate, converts it to a site, and prints the
+//! corners of its walls.
 
 use std::error::Error;
 

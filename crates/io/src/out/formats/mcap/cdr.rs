@@ -1,5 +1,5 @@
-//! CDR, little endian, as ROS 2 writes messages (OMG DDS-XTypes, XCDR1): numbers aligned to their size, counted from behind the four bytes
-//! of the head; strings with their length and a zero; sequences with their count.
+//! CDR, little endian, as ROS 2 writes messages (OMG DDS-XTypes, XCDR1): numbers aligned to their size, counted
+//! from behind the four bytes of the head; strings with their length and a zero; sequences with their count.
 
 /// A message being written.
 pub(super) struct Cdr(Vec<u8>);

@@ -120,7 +120,8 @@ pub(super) fn nanoseconds(time_s: f64) -> u64 {
     ((time_s * 1e9).round() as u64).min(i32::MAX as u64 * 1_000_000_000)
 }
 
-/// A scan. What gave no return is NaN (REP 117: invalid), since nobody knows any more whether it was out of reach.
+/// A scan. What gave no return is NaN (REP 117: invalid), since nobody knows any more whether it was out of
+/// reach.
 pub(super) fn laser_scan(time_ns: u64, scan: &Scan) -> Vec<u8> {
     let geometry = scan.geometry();
     let mut cdr = Cdr::new();
