@@ -63,6 +63,8 @@ pub struct PlaceSettings {
     pub window_m: f64,
     /// Half the range of headings searched, radians.
     pub window_rad: f64,
+    /// What a pose loses of its merit for every e-fold that the motion so far makes it less likely.
+    pub merit_per_nat: f64,
     /// Poses that the search hands on to alignment.
     pub candidates: usize,
 }
@@ -80,6 +82,7 @@ impl Default for PlaceSettings {
             clear_lead: 0.15,
             window_m: 2.5,
             window_rad: 1.75,
+            merit_per_nat: 0.03,
             candidates: 8,
         }
     }
@@ -108,6 +111,22 @@ pub(crate) struct Answer {
     pub matching: Option<Matching>,
     /// What it was matched with, frame of the last placed scan.
     pub virtual_scan: Option<Vec<Polyline>>,
+    /// Every pose that was aligned and judged, best first.
+    pub hypotheses: Vec<Placement>,
+    /// Those of them that are believed and differ, best first; `placement` is the first.
+    pub believed: Vec<Placement>,
+}
+
+impl Answer {
+    /// Nothing else needed to be looked at.
+    fn settled(placement: Placement) -> Self {
+        Self {
+            placement: Some(placement),
+            believed: vec![placement],
+            hypotheses: vec![placement],
+            ..Self::default()
+        }
+    }
 }
 
 /// Finds the scan's pose.
@@ -126,10 +145,7 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
     if let Some(p) = predicted
         && stage.is_unsurprising(&p)
     {
-        return Answer {
-            placement: Some(p),
-            ..Answer::default()
-        };
+        return Answer::settled(p);
     }
     let standing = stage.try_guess(&motion.standing());
     let wide = Guess {
@@ -138,16 +154,19 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
         ..motion.predicted()
     };
     let wide = stage.try_guess(&wide);
-    let near: Vec<Placement> = [predicted, standing, wide].into_iter().flatten().collect();
+    let as_before = motion.as_before(6);
+    let as_before = as_before.iter().map(|g| stage.try_guess(g));
+    let near: Vec<Placement> = [predicted, standing, wide]
+        .into_iter()
+        .chain(as_before)
+        .flatten()
+        .collect();
     let best = near.iter().copied().max_by(|a, b| a.merit.total_cmp(&b.merit));
     if let Some(p) = best
         && stage.is_good(&p)
-        && motion.lost_scans == 0
+        && motion.is_smooth()
     {
-        return Answer {
-            placement: Some(p),
-            ..Answer::default()
-        };
+        return Answer::settled(p);
     }
     let reference = virtual_scan(map, motion.map_from_scan, question.merged_into);
     let (matching, by_shape) = match_by_shape(question.polylines, &reference, &stage);
@@ -158,10 +177,16 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
         all.extend(stage.search());
         placement = stage.best_of(&mut all);
     }
+    let believed = stage.believed(&all);
     Answer {
-        placement: placement.filter(|p| stage.is_believed(p)),
+        placement: believed.first().map(|b| Placement {
+            lead: placement.and_then(|p| p.lead),
+            ..*b
+        }),
+        believed,
         matching: Some(matching),
         virtual_scan: Some(reference),
+        hypotheses: all,
     }
 }
 
@@ -229,17 +254,7 @@ impl Stage<'_> {
     /// What a pose far from the predicted one loses: a weak prior of going on as before, at most 0.15. Along a
     /// direction that the walls leave open, the motion is all there is to go by.
     fn unlikely(&self, alignment: &Alignment) -> f64 {
-        let predicted = self.motion.predicted();
-        let usual = self.motion.usual;
-        let off = alignment.map_from_scan.translation() - predicted.map_from_scan.translation();
-        let turn_rad = wrap_rad(predicted.map_from_scan.theta_rad - alignment.map_from_scan.theta_rad);
-        let scale = 1.0 + f64::from(self.motion.lost_scans);
-        let off_m = off.norm() / (3.0 * usual.shift_m * scale);
-        let off_rad = turn_rad / (3.0 * usual.turn_rad * scale);
-        let off_along = alignment
-            .unobservable
-            .map_or(0.0, |d| off.dot(d) / (predicted.sigma_m * scale));
-        (0.01 * (off_m * off_m + off_rad * off_rad + off_along * off_along)).min(0.15)
+        -self.settings.merit_per_nat * self.motion.log_likelihood(alignment.map_from_scan)
     }
 
     fn is_unsurprising(&self, p: &Placement) -> bool {
@@ -247,6 +262,7 @@ impl Stage<'_> {
         let off_m = p.alignment.map_from_scan.distance(predicted.map_from_scan);
         let off_rad = wrap_rad(p.alignment.map_from_scan.theta_rad - predicted.map_from_scan.theta_rad).abs();
         self.motion.lost_scans == 0
+            && self.motion.is_smooth()
             && p.agreement.fit() >= self.settings.good_fit
             && p.agreement.known_share() >= 0.5
             && p.alignment.matched_share() >= 0.5
@@ -280,10 +296,23 @@ impl Stage<'_> {
         if off_m < self.usual_reach_m() && off_rad < 0.2 + 3.0 * self.motion.usual.turn_rad {
             return fit >= settings.least_fit && known >= settings.least_known;
         }
-        fit >= settings.far_fit
-            && known >= settings.far_known
-            && p.alignment.matched_share() >= 0.5
-            && p.lead.is_none_or(|lead| lead >= settings.far_lead)
+        fit >= settings.far_fit && known >= settings.far_known && p.alignment.matched_share() >= 0.5
+    }
+
+    /// The believed ones of `all` (best first) that differ from better ones, as far as they come near the best.
+    fn believed(&self, all: &[Placement]) -> Vec<Placement> {
+        let mut out: Vec<Placement> = Vec::new();
+        for p in all {
+            let pose = p.alignment.map_from_scan;
+            let differs = |other: &Placement| {
+                let other = other.alignment.map_from_scan;
+                other.distance(pose) > 0.25 || wrap_rad(other.theta_rad - pose.theta_rad).abs() > 0.07
+            };
+            if self.is_believed(p) && out.iter().all(differs) {
+                out.push(*p);
+            }
+        }
+        out
     }
 
     /// The motion so far, as an estimate for matching in the frame of the last pose; wide, because matching is asked
