@@ -4,6 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail by panic")]
 
 use std::fs;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
@@ -20,7 +21,9 @@ fn installed(what: &str) -> Option<PathBuf> {
     if program.is_file() {
         return Some(program);
     }
-    eprintln!("SKIPPED: {what} is not there; crates/cli/tests/outside/install.sh installs it");
+    // Not `eprintln`, which is silenced where a test passes.
+    let place = "crates/cli/tests/outside/install.sh";
+    let _ = writeln!(io::stderr(), "SKIPPED: {what} is not there; {place} installs it");
     None
 }
 
@@ -71,10 +74,10 @@ fn small() -> TempDir {
     folder
 }
 
-/// Has `check.py` read the export `what` in `folder`.
-fn check(what: &str, folder: &Path) {
+/// Has `check.py` read the export `what` in `folder`; whether it could.
+fn check(what: &str, folder: &Path) -> bool {
     let Some(python) = installed("venv/bin/python") else {
-        return;
+        return false;
     };
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/outside/check.py");
     let run = Command::new(python)
@@ -85,6 +88,7 @@ fn check(what: &str, folder: &Path) {
         .unwrap();
     let said = String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr);
     assert!(run.status.success() && said.contains("sound"), "{what}: {said}");
+    true
 }
 
 #[test]
@@ -171,4 +175,34 @@ fn open_rmf_reads_every_side_as_a_wall_and_makes_a_site() {
         }
     }
     assert_eq!(String::from_utf8(run.stdout).unwrap(), expected);
+}
+
+/// The lines of a map: id and vertices.
+fn lines(map: &Path) -> Vec<(u64, Vec<[f64; 2]>)> {
+    let map: serde_json::Value = serde_json::from_slice(&fs::read(map).unwrap()).unwrap();
+    let line = |p: &serde_json::Value| {
+        let vertices = serde_json::from_value(p["vertices"].clone()).unwrap();
+        (p["id"].as_u64().unwrap(), vertices)
+    };
+    map["polylines"].as_array().unwrap().iter().map(line).collect()
+}
+
+#[test]
+fn drawings_that_other_programs_saved_anew_come_back_with_their_ids() {
+    let folder = exports();
+    if !check("saved-anew", folder) {
+        return;
+    }
+    for (drawing, options) in [("anew.dxf", ""), ("anew.geojson", "--metres-per-unit=1")] {
+        let (drawing, back) = (folder.join(drawing), folder.join("back.json"));
+        let mut words = vec!["import", drawing.to_str().unwrap(), "-o", back.to_str().unwrap()];
+        words.extend(Some(options).filter(|o| !o.is_empty()));
+        polymapper(&words);
+        assert_eq!(
+            lines(&back),
+            lines(&folder.join("map.json")),
+            "{}",
+            drawing.display()
+        );
+    }
 }

@@ -256,7 +256,34 @@ def nav2_vector():
     assert len(params["shapes"]) == len(WALLS) + len(BOXES)
 
 
-CHECKS = {c.__name__.replace("_", "-"): c for c in (dxf, gpkg, json_fg, georef, mcap, evo, nav2, nav2_vector)}
+def saved_anew():
+    """Not a check: the drawings as a CAD program (R2010, light polylines) and GDAL save them, for `import`."""
+    import ezdxf
+    import pyogrio
+
+    old = ezdxf.readfile(FOLDER / "map.dxf")
+    new = ezdxf.new("R2010", units=ezdxf.units.M)
+    new.appids.add("POLYMAPPER")
+    for line in old.modelspace().query("POLYLINE"):
+        points = [(p.x, p.y) for p in line.points()]
+        copy = new.modelspace().add_lwpolyline(points, close=line.is_closed, dxfattribs={"layer": line.dxf.layer})
+        if line.has_xdata("POLYMAPPER"):
+            copy.set_xdata("POLYMAPPER", line.get_xdata("POLYMAPPER"))
+    new.saveas(FOLDER / "anew.dxf")
+    info, geometries, columns = (pyogrio.raw.read(FOLDER / "map.fg.json", layer="walls")[k] for k in (0, 2, 3))
+    kept = [list(info["fields"]).index(name) for name in ("id", "layer")]
+    pyogrio.raw.write(
+        FOLDER / "anew.geojson",
+        geometries,
+        [columns[k] for k in kept],
+        ["id", "layer"],
+        driver="GeoJSON",
+        geometry_type="LineString",
+        crs="EPSG:4326",
+    )
+
+
+CHECKS = {c.__name__.replace("_", "-"): c for c in (dxf, gpkg, json_fg, georef, mcap, evo, nav2, nav2_vector, saved_anew)}
 
 if __name__ == "__main__":
     CHECKS[sys.argv[1]]()
