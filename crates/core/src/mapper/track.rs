@@ -122,6 +122,11 @@ impl Track {
         self.motion.is_none()
     }
 
+    /// Whether the present map is kept apart from a larger one.
+    pub fn is_apart(&self) -> bool {
+        self.main().id != self.atlas.id
+    }
+
     /// The scan has no place anywhere.
     pub fn miss(&mut self, reason: NotPlaced) {
         self.held.push(Held::Nowhere(reason));
