@@ -12,6 +12,8 @@ use crate::geometry::{Pose, wrap_rad};
 
 /// A log with more than one step in ten longer than this is one of keyframes, metres.
 const SMOOTH_STEP_M: f64 = 0.5;
+/// Steps after which the speed is known again.
+const STEADY_STEPS: u32 = 3;
 /// Steps that are remembered.
 const MEMORY: usize = 64;
 /// Shares of the density: going on as in the last step, any step as before, anything.
@@ -35,6 +37,8 @@ pub(crate) struct Motion {
     pub lost_scans: u32,
     /// How far off predictions usually are.
     pub usual: Surprise,
+    /// Steps since the speed was not known.
+    steady: u32,
     /// The last steps, oldest first, each in the frame of the scan before it.
     steps: VecDeque<Pose>,
 }
@@ -75,6 +79,7 @@ impl Motion {
             driven: None,
             lost_scans: 0,
             usual: Surprise::default(),
+            steady: 0,
             steps: VecDeque::new(),
         }
     }
@@ -99,7 +104,9 @@ impl Motion {
     pub fn advance(&mut self, pose: Pose) {
         if self.lost_scans > 0 {
             self.step = Pose::IDENTITY;
+            self.steady = 0;
         } else {
+            self.steady += 1;
             let predicted = self.predicted().map_from_scan;
             let turn_rad = wrap_rad(predicted.theta_rad - pose.theta_rad).abs();
             self.usual = self.usual.after(predicted.distance(pose), turn_rad);
@@ -133,6 +140,7 @@ impl Motion {
             .iter()
             .filter(|s| s.translation().norm() > SMOOTH_STEP_M);
         self.lost_scans == 0
+            && self.steady >= STEADY_STEPS
             && self.usual.shift_m < 0.15
             && self.usual.turn_rad < 0.15
             && 10 * long.count() <= self.steps.len()

@@ -1,0 +1,171 @@
+//! What becomes of scans that fit nowhere: they are kept apart, never merged just to keep going, and found again.
+
+use polymapper_core::geometry::{Point, Pose};
+use polymapper_core::mapper::{Mapper, NotPlaced, Outcome, Settings};
+use polymapper_core::scan::{Scan, ScanGeometry};
+
+type Wall = [(f64, f64); 2];
+
+/// Closed rooms as walls.
+fn walls(corners: &[(f64, f64)]) -> Vec<Wall> {
+    (0..corners.len())
+        .map(|k| [corners[k], corners[(k + 1) % corners.len()]])
+        .collect()
+}
+
+/// What a scanner with 1° all round and `reach_m` sees of the walls.
+fn scan_from(walls: &[Wall], map_from_scan: Pose, reach_m: f64) -> Scan {
+    let geometry = ScanGeometry::new(0.0, 1_f64.to_radians(), 360).unwrap();
+    let origin = map_from_scan.translation();
+    let range = |direction: Point| {
+        walls
+            .iter()
+            .filter_map(|&[a, b]| {
+                let (a, b) = (Point::new(a.0, a.1) - origin, Point::new(b.0, b.1) - origin);
+                let along = b - a;
+                let cross = direction.cross(along);
+                let (range_m, share) = (a.cross(along) / cross, a.cross(direction) / cross);
+                (cross.abs() > 1e-12 && range_m > 0.0 && (0.0..=1.0).contains(&share)).then_some(range_m)
+            })
+            .fold(f64::INFINITY, f64::min)
+    };
+    let ranges_m = (0..360)
+        .map(|beam| {
+            let range_m = range(Point::from_polar(
+                1.0,
+                geometry.bearing_rad(beam) + map_from_scan.theta_rad,
+            ));
+            if range_m < reach_m { range_m } else { f64::NAN }
+        })
+        .collect();
+    Scan::new(geometry, ranges_m).unwrap()
+}
+
+fn placed(outcome: &Outcome) -> Option<Pose> {
+    match *outcome {
+        Outcome::Placed { map_from_scan } => Some(map_from_scan),
+        Outcome::NotPlaced { .. } => None,
+    }
+}
+
+#[test]
+fn another_room_is_kept_apart_and_the_first_one_taken_up_again() {
+    let living = walls(&[
+        (-3.0, -2.0),
+        (4.0, -2.0),
+        (4.0, 0.5),
+        (2.5, 0.5),
+        (2.5, 3.0),
+        (-3.0, 3.0),
+    ]);
+    let shed = walls(&[(-1.2, -1.0), (0.9, -1.4), (1.6, 0.2), (0.3, 1.1), (-0.9, 0.8)]);
+    let mut mapper = Mapper::new(Settings::default());
+    let walk = |k: i32| Pose::new(0.1 * f64::from(k), 0.02 * f64::from(k), 0.03 * f64::from(k));
+    for k in 0..12 {
+        mapper.add_scan(&scan_from(&living, walk(k), 20.0), None);
+    }
+    for k in 0..5 {
+        mapper.add_scan(
+            &scan_from(&shed, Pose::new(0.0, 0.0, 0.1 * f64::from(k)), 20.0),
+            None,
+        );
+    }
+    for k in 12..18 {
+        mapper.add_scan(&scan_from(&living, walk(k), 20.0), None);
+    }
+    let outcomes = mapper.outcomes();
+    for (k, outcome) in outcomes[12..17].iter().enumerate() {
+        let apart = Outcome::NotPlaced {
+            reason: NotPlaced::SeparateSubmap,
+        };
+        assert_eq!(*outcome, apart, "scan {k} of the shed");
+    }
+    for (k, outcome) in (12..18).zip(&outcomes[17..]) {
+        let off_m = placed(outcome).map(|p| p.distance(walk(k)));
+        assert!(off_m.is_some_and(|m| m < 0.03), "{outcome:?} after the shed");
+    }
+    let map = mapper.map();
+    let wall_m: f64 = map
+        .polylines
+        .iter()
+        .filter_map(|p| p.polyline())
+        .map(|p| p.length_m())
+        .sum();
+    assert!(
+        (wall_m - 24.0).abs() < 0.5,
+        "{wall_m} m of wall: the shed is not among it"
+    );
+}
+
+/// A hall of 10 m × 4 m with uneven pilasters, and a narrow corridor of 14 m with niches that leads on from it.
+fn hall_and_corridor() -> Vec<Wall> {
+    walls(&[
+        (0.0, 0.0),
+        (1.3, 0.0),
+        (1.3, 0.5),
+        (1.7, 0.5),
+        (1.7, 0.0),
+        (4.4, 0.0),
+        (4.4, 0.3),
+        (5.6, 0.3),
+        (5.6, 0.0),
+        (7.1, 0.0),
+        (7.1, 0.7),
+        (7.4, 0.7),
+        (7.4, 0.0),
+        (10.0, 0.0),
+        (10.0, 1.3),
+        (12.1, 1.3),
+        (12.1, 0.9),
+        (12.9, 0.9),
+        (12.9, 1.3),
+        (16.2, 1.3),
+        (16.2, 0.7),
+        (16.6, 0.7),
+        (16.6, 1.3),
+        (24.0, 1.3),
+        (24.0, 2.7),
+        (18.4, 2.7),
+        (18.4, 3.3),
+        (17.5, 3.3),
+        (17.5, 2.7),
+        (14.4, 2.7),
+        (14.4, 3.0),
+        (13.6, 3.0),
+        (13.6, 2.7),
+        (10.0, 2.7),
+        (10.0, 4.0),
+        (6.3, 4.0),
+        (6.3, 3.2),
+        (5.9, 3.2),
+        (5.9, 4.0),
+        (3.1, 4.0),
+        (3.1, 3.6),
+        (2.2, 3.6),
+        (2.2, 4.0),
+        (0.0, 4.0),
+    ])
+}
+
+#[test]
+fn a_map_kept_apart_is_joined_when_the_scanner_comes_back_to_a_known_place() {
+    let hall = hall_and_corridor();
+    let reach_m = 4.5;
+    let mut mapper = Mapper::new(Settings::default());
+    // Through the hall, in the dark to the far end of the corridor, and back to where it was.
+    let there = (0..20).map(|k| 2.0 + 0.2 * f64::from(k));
+    let back = (0..75).map(|k| 19.0 - 0.2 * f64::from(k));
+    let truth: Vec<Pose> = there.chain(back).map(|x| Pose::new(x, 2.0, 0.0)).collect();
+    for pose in &truth {
+        mapper.add_scan(&scan_from(&hall, *pose, reach_m), None);
+    }
+    let outcomes = mapper.outcomes();
+    let lost = outcomes.iter().filter(|o| placed(o).is_none()).count();
+    assert_eq!(lost, 0, "scans without a place in the one map");
+    let relative = |k: usize| truth[0].inverse() * truth[k];
+    let frame = placed(&outcomes[0]).unwrap();
+    for (k, outcome) in outcomes.iter().enumerate() {
+        let off_m = (frame * relative(k)).distance(placed(outcome).unwrap());
+        assert!(off_m < 0.1, "scan {k} is {off_m} m off");
+    }
+}
