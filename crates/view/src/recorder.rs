@@ -1,0 +1,198 @@
+//! From a mapper at work to the lines of a record.
+
+use std::io;
+use std::time::{Duration, Instant};
+
+use polymapper_core::map::Map;
+use polymapper_core::mapper::{Mapper, Outcome, Step};
+use polymapper_core::scan::Scan;
+
+use crate::record::{
+    About, End, FORMAT, Line, MapState, ShownPoses, Skipped, VERSION, detail, frame, walls,
+};
+
+/// Where lines go.
+pub trait Sink {
+    /// Takes the next line.
+    ///
+    /// # Errors
+    /// The line cannot be kept.
+    fn take(&mut self, line: &Line) -> io::Result<()>;
+}
+
+impl<A: Sink, B: Sink> Sink for (A, B) {
+    fn take(&mut self, line: &Line) -> io::Result<()> {
+        self.0.take(line)?;
+        self.1.take(line)
+    }
+}
+
+impl<A: Sink> Sink for Option<A> {
+    fn take(&mut self, line: &Line) -> io::Result<()> {
+        self.as_mut().map_or(Ok(()), |sink| sink.take(line))
+    }
+}
+
+/// When the map of all scans so far is made for the record. It takes time that grows with the map, so it is made now
+/// and then; between two of them the page shows the polylines that were merged since.
+#[derive(Clone, Copy, Debug)]
+pub enum Snapshots {
+    /// Each time the number of merged scans has doubled: the same record for the same log, and as much time again as
+    /// the last map takes.
+    Doubling,
+    /// As often as this share of the time allows, but a map that takes longer than `longest` is only made when
+    /// [`Recorder::idle`] says that there is time.
+    Share {
+        /// Share of the time, 0..1.
+        share: f64,
+        /// How long the next scan may wait.
+        longest: Duration,
+    },
+}
+
+/// A scan and where it comes from.
+#[derive(Clone, Copy, Debug)]
+pub struct Scanned<'a> {
+    /// Place in the log.
+    pub index: usize,
+    /// Stamp of the log, seconds.
+    pub stamp_s: Option<f64>,
+    /// Ranges and geometry.
+    pub scan: &'a Scan,
+}
+
+/// Writes the record of one mapper.
+pub struct Recorder<S> {
+    sink: S,
+    snapshots: Snapshots,
+    shown: ShownPoses,
+    map: MapState,
+    scans: usize,
+    /// Merged scans now, and when the map was last told.
+    merged: usize,
+    merged_then: usize,
+    since: Instant,
+    took: Duration,
+}
+
+/// Two maps are told at least this far apart, so that a page has the time to show one.
+const LEAST_PAUSE: Duration = Duration::from_millis(250);
+
+impl<S: Sink> Recorder<S> {
+    /// Begins the record of the log `log`, made by `generator`.
+    ///
+    /// # Errors
+    /// Those of the sink.
+    pub fn new(mut sink: S, log: &str, generator: &str, snapshots: Snapshots) -> io::Result<Self> {
+        sink.take(&Line::About(About {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            generator: generator.to_owned(),
+            log: log.to_owned(),
+        }))?;
+        Ok(Self {
+            sink,
+            snapshots,
+            shown: ShownPoses::default(),
+            map: MapState::default(),
+            scans: 0,
+            merged: 0,
+            merged_then: 0,
+            since: Instant::now(),
+            took: Duration::ZERO,
+        })
+    }
+
+    /// Takes note of what `mapper` made of a scan.
+    ///
+    /// # Errors
+    /// Those of the sink.
+    pub fn step(&mut self, mapper: &Mapper, scanned: Scanned<'_>, step: &Step) -> io::Result<()> {
+        let last = self.shown.last_placed();
+        let frame = frame(step, scanned.index, scanned.stamp_s);
+        self.shown.push(frame.pose);
+        self.scans += 1;
+        self.merged += usize::from(frame.merged);
+        let may_have_moved = frame.recognised.is_some();
+        self.sink
+            .take(&Line::Detail(Box::new(detail(step, scanned.scan, last))))?;
+        self.sink.take(&Line::Frame(frame))?;
+        if let Some(walls) = walls(step) {
+            self.sink.take(&Line::Walls(walls))?;
+        }
+        if may_have_moved {
+            self.tell_poses(&mapper.outcomes())?;
+        }
+        if self.is_due() {
+            self.snapshot(mapper)?;
+        }
+        Ok(())
+    }
+
+    /// Takes note of a line of the log that holds no usable scan.
+    ///
+    /// # Errors
+    /// Those of the sink.
+    pub fn skip(&mut self, scan: usize, line: u64, why: &str) -> io::Result<()> {
+        self.sink.take(&Line::Skipped(Skipped {
+            scan,
+            line,
+            why: why.to_owned(),
+        }))
+    }
+
+    /// To be called when no scan waits: the map is told if it is old.
+    ///
+    /// # Errors
+    /// Those of the sink.
+    pub fn idle(&mut self, mapper: &Mapper) -> io::Result<()> {
+        if self.merged > self.merged_then && self.since.elapsed() >= LEAST_PAUSE {
+            self.snapshot(mapper)?;
+        }
+        Ok(())
+    }
+
+    /// Ends the record with the finished map, and gives the sink back.
+    ///
+    /// # Errors
+    /// Those of the sink.
+    pub fn finish(mut self, map: &Map, outcomes: &[Outcome], partial: Option<String>) -> io::Result<S> {
+        self.tell_poses(outcomes)?;
+        let change = self.map.change_to(map, self.scans);
+        self.sink.take(&Line::Map(change))?;
+        self.sink.take(&Line::End(End { partial }))?;
+        Ok(self.sink)
+    }
+
+    fn is_due(&self) -> bool {
+        match self.snapshots {
+            Snapshots::Doubling => self.merged > 2 * self.merged_then,
+            Snapshots::Share { share, longest } => {
+                let grown = self.merged as f64 / self.merged_then.max(1) as f64;
+                self.merged > self.merged_then
+                    && (self.merged_then == 0
+                        || self.took.mul_f64(grown) <= longest
+                            && self.since.elapsed() >= LEAST_PAUSE.max(self.took.div_f64(share)))
+            }
+        }
+    }
+
+    fn snapshot(&mut self, mapper: &Mapper) -> io::Result<()> {
+        let start = Instant::now();
+        let map = mapper.map();
+        self.tell_poses(&mapper.outcomes())?;
+        let change = self.map.change_to(&map, self.scans);
+        self.sink.take(&Line::Map(change))?;
+        self.merged_then = self.merged;
+        self.since = Instant::now();
+        self.took = self.since - start;
+        Ok(())
+    }
+
+    fn tell_poses(&mut self, outcomes: &[Outcome]) -> io::Result<()> {
+        match self.shown.change_to(outcomes) {
+            Some(moved) => self.sink.take(&Line::Moved(moved)),
+            None => Ok(()),
+        }
+    }
+}
