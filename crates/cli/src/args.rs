@@ -1,6 +1,7 @@
 //! The command line.
 
 use std::convert::Infallible;
+use std::net::IpAddr;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -70,6 +71,21 @@ pub enum Command {
     Match(MatchArgs),
     /// Write a log of a made-up place, and the truth about it
     Simulate(SimulateArgs),
+    /// Watch a map grow in the browser
+    ///
+    /// Opens a page on this machine. SOURCE is
+    ///
+    ///   a log              mapped while you watch; then played back at will
+    ///   a folder           that `build` has written, played back
+    ///   -                  scans from standard input as they come: CARMEN lines or JSON lines
+    ///   tcp:[HOST:]PORT    the same from whoever connects to this port, one after the other
+    ///
+    /// A JSON line is {"ranges_m": [1.23, null, ..], "first_bearing_rad": -1.5708, "step_rad":
+    /// 0.0175, "stamp_s": 12.5}; all but the ranges may be left out.
+    #[command(verbatim_doc_comment)]
+    View(ViewArgs),
+    /// Write the scans of a log as JSON lines, at the pace at which they were recorded
+    Play(PlayArgs),
     /// Build a map of a real log that comes with the program
     Demo(DemoArgs),
 }
@@ -103,6 +119,52 @@ pub struct BuildArgs {
     /// Folder for the map, the trajectory and the report; made if it is not there
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
+    /// Leave out replay.jsonl.gz and report.html
+    #[arg(long)]
+    pub no_replay: bool,
+}
+
+#[derive(clap::Args)]
+pub struct ViewArgs {
+    /// Laser log, plain or packed; folder of a build; `-`; or tcp:[HOST:]PORT
+    #[arg(value_name = "SOURCE")]
+    pub source: PathBuf,
+    /// Use the poses in the log (they are not read unless told)
+    #[arg(long)]
+    pub use_odometry: bool,
+    /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
+    #[arg(long, value_name = "KIND")]
+    pub laser: Option<String>,
+    /// Port of the page; 0 takes any that is free
+    #[arg(long, value_name = "PORT", default_value_t = 7878)]
+    pub port: u16,
+    /// Address of the page; other machines can see it if this is not the local one
+    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1")]
+    pub host: IpAddr,
+    /// Open the page in the browser
+    #[arg(long)]
+    pub open: bool,
+}
+
+#[derive(clap::Args)]
+pub struct PlayArgs {
+    /// Laser log, plain or packed
+    pub log: PathBuf,
+    /// Times the pace at which the log was recorded; 0 is as fast as possible
+    #[arg(long, value_name = "TIMES", default_value_t = 1.0)]
+    pub rate: f64,
+    /// Scans a second, whatever the stamps say
+    #[arg(long, value_name = "N", conflicts_with = "rate")]
+    pub hz: Option<f64>,
+    /// Write the poses in the log too
+    #[arg(long)]
+    pub use_odometry: bool,
+    /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
+    #[arg(long, value_name = "KIND")]
+    pub laser: Option<String>,
+    /// Where the lines go: `-` is standard output, tcp:HOST:PORT a connection
+    #[arg(short, long, value_name = "PLACE", default_value = "-")]
+    pub output: String,
 }
 
 #[derive(clap::Args)]

@@ -114,6 +114,16 @@ impl Input {
         })
     }
 
+    /// Takes a stream of which the first part has been read: one that is live cannot be waited for.
+    pub fn begun(name: String, head: Vec<u8>, rest: Box<dyn BufRead>) -> Self {
+        Self {
+            name,
+            head,
+            rest,
+            progress: ReadProgress::default(),
+        }
+    }
+
     /// The whole stream from its first byte.
     pub fn into_stream(self) -> impl BufRead {
         Cursor::new(self.head).chain(self.rest)

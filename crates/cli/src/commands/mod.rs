@@ -5,4 +5,6 @@ pub mod demo;
 pub mod extract;
 pub mod figures;
 pub mod match_scans;
+pub mod play;
 pub mod simulate;
+pub mod view;

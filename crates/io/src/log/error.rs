@@ -33,7 +33,7 @@ pub enum LogError {
     },
     /// No format knows the content.
     #[error(
-        "{name} is no laser log that is known here: {found}; expected is a CARMEN log, with lines such as `FLASER 180 ...`"
+        "{name} is no laser log that is known here: {found}; expected is a CARMEN log, with lines such as `FLASER 180 ...`, or JSON lines with `ranges_m`"
     )]
     Unrecognised {
         /// Name of the file.
@@ -140,6 +140,12 @@ pub enum LineFault {
         header: usize,
         /// Fields that follow the ranges in a whole line.
         after: usize,
+    },
+    /// No JSON object with the fields of a scan.
+    #[error("no scan in JSON: {what}")]
+    Json {
+        /// What is wrong, with its place in the line.
+        what: String,
     },
     /// Bearings that make no sense.
     #[error(transparent)]

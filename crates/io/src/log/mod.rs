@@ -9,6 +9,8 @@
 
 mod carmen;
 mod error;
+mod json_lines;
+mod live;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -19,6 +21,8 @@ use polymapper_core::scan::Scan;
 use crate::input::Input;
 pub use crate::input::ReadProgress;
 pub use error::{LineFault, LogError};
+pub use json_lines::write_json_line;
+pub use live::open_live;
 
 /// What is read from a log.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -106,6 +110,10 @@ const FORMATS: &[Format] = &[Format {
     name: "CARMEN",
     recognise: carmen::recognise,
     open: carmen::open,
+}, Format {
+    name: "JSON lines",
+    recognise: json_lines::recognise,
+    open: json_lines::open,
 }];
 
 /// An opened log: an iterator over its laser lines.
