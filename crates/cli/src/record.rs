@@ -9,13 +9,16 @@ use polymapper_core::mapper::{Mapper, Outcome, Step};
 use polymapper_io::log::{BadScan, LogScan};
 use polymapper_io::out::AtomicFile;
 use polymapper_view::replay::{self, ReplayWriter};
-use polymapper_view::{Recorder, Scanned, Snapshots};
+use polymapper_view::{Background, Recorder, Scanned, Snapshots};
 
 /// Name and version of the program, as in every file.
 pub const GENERATOR: &str = concat!("polymapper ", env!("CARGO_PKG_VERSION"));
 
 /// The record of a build in the making.
-pub struct BuildRecord(Recorder<(ReplayWriter<AtomicFile>, ReplayWriter<Vec<u8>>)>);
+pub struct BuildRecord(Recorder<Background<Files>>);
+
+/// The whole record, and the light one.
+type Files = (ReplayWriter<AtomicFile>, ReplayWriter<Vec<u8>>);
 
 /// The record for the report, packed.
 pub struct Recorded(pub Vec<u8>);
@@ -25,7 +28,7 @@ impl BuildRecord {
     pub fn create(folder: &Path, log_name: &str) -> anyhow::Result<Self> {
         let file = AtomicFile::create(&folder.join(replay::FILE))?;
         let sinks = (ReplayWriter::new(file), ReplayWriter::light(Vec::new()));
-        let recorder = Recorder::new(sinks, log_name, GENERATOR, Snapshots::Doubling);
+        let recorder = Recorder::new(Background::new(sinks), log_name, GENERATOR, Snapshots::Doubling);
         Ok(Self(recorder.context(CANNOT)?))
     }
 
@@ -43,10 +46,8 @@ impl BuildRecord {
 
     /// Puts the file in its place.
     pub fn finish(self, map: &Map, outcomes: &[Outcome], partial: Option<&str>) -> anyhow::Result<Recorded> {
-        let (file, light) = self
-            .0
-            .finish(map, outcomes, partial.map(str::to_owned))
-            .context(CANNOT)?;
+        let sinks = self.0.finish(map, outcomes, partial.map(str::to_owned));
+        let (file, light) = sinks.and_then(Background::finish).context(CANNOT)?;
         file.finish().context(CANNOT)?.finish()?;
         Ok(Recorded(light.finish().context(CANNOT)?))
     }

@@ -5,6 +5,7 @@
 //! [`server`] gives to pages, into a file ([`replay`]), into `report.html` ([`report_page`]), or into several of them.
 //! The page is the same in all cases: assets in `page/`, held by the program ([`page`]).
 
+mod background;
 mod compare;
 pub mod page;
 pub mod record;
@@ -14,5 +15,6 @@ pub mod report_page;
 pub mod server;
 mod store;
 
+pub use background::Background;
 pub use recorder::{Recorder, Scanned, Sink, Snapshots};
 pub use store::Store;

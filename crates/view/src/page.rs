@@ -29,6 +29,7 @@ modules![
     "colours.js",
     "camera.js",
     "surface.js",
+    "known_walls.js",
     "draw_map.js",
     "draw_way.js",
     "draw_scan.js",

@@ -1,6 +1,7 @@
 //! From a mapper at work to the lines of a record.
 
 use std::io;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use polymapper_core::map::Map;
@@ -17,18 +18,18 @@ pub trait Sink {
     ///
     /// # Errors
     /// The line cannot be kept.
-    fn take(&mut self, line: &Line) -> io::Result<()>;
+    fn take(&mut self, line: &Arc<Line>) -> io::Result<()>;
 }
 
 impl<A: Sink, B: Sink> Sink for (A, B) {
-    fn take(&mut self, line: &Line) -> io::Result<()> {
+    fn take(&mut self, line: &Arc<Line>) -> io::Result<()> {
         self.0.take(line)?;
         self.1.take(line)
     }
 }
 
 impl<A: Sink> Sink for Option<A> {
-    fn take(&mut self, line: &Line) -> io::Result<()> {
+    fn take(&mut self, line: &Arc<Line>) -> io::Result<()> {
         self.as_mut().map_or(Ok(()), |sink| sink.take(line))
     }
 }
@@ -84,12 +85,12 @@ impl<S: Sink> Recorder<S> {
     /// # Errors
     /// Those of the sink.
     pub fn new(mut sink: S, log: &str, generator: &str, snapshots: Snapshots) -> io::Result<Self> {
-        sink.take(&Line::About(About {
+        sink.take(&Arc::new(Line::About(About {
             format: FORMAT.to_owned(),
             version: VERSION,
             generator: generator.to_owned(),
             log: log.to_owned(),
-        }))?;
+        })))?;
         Ok(Self {
             sink,
             snapshots,
@@ -114,11 +115,10 @@ impl<S: Sink> Recorder<S> {
         self.scans += 1;
         self.merged += usize::from(frame.merged);
         let may_have_moved = frame.recognised.is_some();
-        self.sink
-            .take(&Line::Detail(Box::new(detail(step, scanned.scan, last))))?;
-        self.sink.take(&Line::Frame(frame))?;
+        self.tell(Line::Detail(Box::new(detail(step, scanned.scan, last))))?;
+        self.tell(Line::Frame(frame))?;
         if let Some(walls) = walls(step) {
-            self.sink.take(&Line::Walls(walls))?;
+            self.tell(Line::Walls(walls))?;
         }
         if may_have_moved {
             self.tell_poses(&mapper.outcomes())?;
@@ -134,7 +134,7 @@ impl<S: Sink> Recorder<S> {
     /// # Errors
     /// Those of the sink.
     pub fn skip(&mut self, scan: usize, line: u64, why: &str) -> io::Result<()> {
-        self.sink.take(&Line::Skipped(Skipped {
+        self.tell(Line::Skipped(Skipped {
             scan,
             line,
             why: why.to_owned(),
@@ -159,9 +159,13 @@ impl<S: Sink> Recorder<S> {
     pub fn finish(mut self, map: &Map, outcomes: &[Outcome], partial: Option<String>) -> io::Result<S> {
         self.tell_poses(outcomes)?;
         let change = self.map.change_to(map, self.scans);
-        self.sink.take(&Line::Map(change))?;
-        self.sink.take(&Line::End(End { partial }))?;
+        self.tell(Line::Map(change))?;
+        self.tell(Line::End(End { partial }))?;
         Ok(self.sink)
+    }
+
+    fn tell(&mut self, line: Line) -> io::Result<()> {
+        self.sink.take(&Arc::new(line))
     }
 
     fn is_due(&self) -> bool {
@@ -182,7 +186,7 @@ impl<S: Sink> Recorder<S> {
         let map = mapper.map();
         self.tell_poses(&mapper.outcomes())?;
         let change = self.map.change_to(&map, self.scans);
-        self.sink.take(&Line::Map(change))?;
+        self.tell(Line::Map(change))?;
         self.merged_then = self.merged;
         self.since = Instant::now();
         self.took = self.since - start;
@@ -191,7 +195,7 @@ impl<S: Sink> Recorder<S> {
 
     fn tell_poses(&mut self, outcomes: &[Outcome]) -> io::Result<()> {
         match self.shown.change_to(outcomes) {
-            Some(moved) => self.sink.take(&Line::Moved(moved)),
+            Some(moved) => self.tell(Line::Moved(moved)),
             None => Ok(()),
         }
     }

@@ -1,6 +1,7 @@
 //! `replay.jsonl.gz`: a record as a file, and back.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
+use std::sync::Arc;
 
 use flate2::Compression;
 use flate2::bufread::MultiGzDecoder;
@@ -73,7 +74,7 @@ impl<W: Write> ReplayWriter<W> {
     /// Without what only single scans show: for `report.html`.
     pub fn light(out: W) -> Self {
         Self {
-            out: GzEncoder::new(out, Compression::new(8)),
+            out: GzEncoder::new(out, Compression::new(6)),
             keeps: |line| match line {
                 Line::Detail(_) => false,
                 Line::Walls(walls) => !walls.moving.is_empty(),
@@ -92,9 +93,9 @@ impl<W: Write> ReplayWriter<W> {
 }
 
 impl<W: Write> Sink for ReplayWriter<W> {
-    fn take(&mut self, line: &Line) -> io::Result<()> {
+    fn take(&mut self, line: &Arc<Line>) -> io::Result<()> {
         if (self.keeps)(line) {
-            serde_json::to_writer(&mut self.out, line)?;
+            serde_json::to_writer(&mut self.out, &**line)?;
             self.out.write_all(b"\n")?;
         }
         Ok(())
@@ -158,7 +159,7 @@ mod tests {
             Line::Frame(Frame::default()),
             Line::End(End { partial: None }),
         ] {
-            writer.take(&line).unwrap();
+            writer.take(&Arc::new(line)).unwrap();
         }
         writer.finish().unwrap()
     }

@@ -82,7 +82,6 @@ impl Store {
         }
     }
 
-    /// The pose of scan `n` as it was told first.
     fn held(&self) -> MutexGuard<'_, Held> {
         // The data are whole even if a thread died while it held them: every change is a single push.
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
@@ -105,8 +104,8 @@ impl Store {
 }
 
 impl Sink for Store {
-    fn take(&mut self, line: &Line) -> io::Result<()> {
-        self.push(line, serde_json::to_vec(line)?);
+    fn take(&mut self, line: &Arc<Line>) -> io::Result<()> {
+        self.push(line, serde_json::to_vec(&**line)?);
         Ok(())
     }
 }

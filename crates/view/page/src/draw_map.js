@@ -6,6 +6,7 @@ import { transform } from "./pose.js";
  * @typedef {import("./camera.js").Camera} Camera
  * @typedef {import("./colours.js").Colours} Colours
  * @typedef {import("./history.js").History} History
+ * @typedef {import("./known_walls.js").KnownWalls} KnownWalls
  */
 
 /**
@@ -97,21 +98,44 @@ export class MapPaths {
     this.walls = new Path2D();
     this.vertices = 0;
     this.length_m = 0;
-    let [left, bottom, right, top] = [Infinity, Infinity, -Infinity, -Infinity];
+    /** Middles of sides and their lengths. @type {[number, number, number][]} */
+    const sides = [];
     for (const wall of history.map.values()) {
       const p = wall.points;
       trace(this.walls, p);
       this.vertices += p.length / 2;
       for (let k = 0; k + 1 < p.length; k += 2) {
-        if (k > 0) this.length_m += Math.hypot(p[k] - p[k - 2], p[k + 1] - p[k - 1]);
-        left = Math.min(left, p[k]);
-        right = Math.max(right, p[k]);
-        bottom = Math.min(bottom, p[k + 1]);
-        top = Math.max(top, p[k + 1]);
+        if (k === 0) continue;
+        const side = Math.hypot(p[k] - p[k - 2], p[k + 1] - p[k - 1]);
+        this.length_m += side;
+        sides.push([p[k], p[k + 1], side / 2], [p[k - 2], p[k - 1], side / 2]);
       }
     }
-    this.bounds = left <= right ? [left, bottom, right, top] : undefined;
+    this.bounds = mainExtent(sides, this.length_m);
   }
+}
+
+/** Share of the walls that may lie outside at each edge: a few strays, seen through a window, make no map small. */
+const STRAY_SHARE = 0.01;
+
+/**
+ * The box that holds nearly all of the walls: [left, bottom, right, top].
+ * @param {[number, number, number][]} ends Ends of sides, and the length that each stands for.
+ * @param {number} whole Length of all.
+ * @returns {[number, number, number, number] | undefined}
+ */
+function mainExtent(ends, whole) {
+  if (ends.length === 0) return undefined;
+  const edge = (/** @type {0 | 1} */ axis, /** @type {1 | -1} */ direction) => {
+    const sorted = [...ends].sort((a, b) => direction * (a[axis] - b[axis]));
+    let sum = 0;
+    const found = sorted.find((end) => {
+      sum += end[2];
+      return sum > STRAY_SHARE * whole;
+    });
+    return (found ?? sorted[0])[axis];
+  };
+  return [edge(0, 1), edge(1, 1), edge(0, -1), edge(1, -1)];
 }
 
 /**
@@ -131,17 +155,19 @@ export function strokeWalls(ctx, path, camera, colour, width) {
 }
 
 /**
- * The polylines of scans merged since the map was made.
+ * The polylines of scans merged since the map was made, but for those that lie on its walls.
  * @param {History} history
+ * @param {KnownWalls} known
  * @param {number} from First scan.
  * @param {number} to The scan after the last.
  */
-export function freshPath(history, from, to) {
+export function freshPath(history, known, from, to) {
   const path = new Path2D();
   for (let k = history.wallsFrom(from); k < history.walls.length && history.walls[k].n < to; k += 1) {
     const { n, standing } = history.walls[k];
     const pose = history.poses[n];
-    if (pose) for (const points of standing) traceAt(path, points, pose);
+    if (!pose) continue;
+    for (const points of standing) if (!known.holds(points, pose)) traceAt(path, points, pose);
   }
   return path;
 }

@@ -25,7 +25,7 @@ export function drawScan(ctx, detail, pose, camera, colours) {
   detail.polylines.forEach((points, k) => traceAt(detail.moving.has(k) ? moving : path, points, pose));
   strokeWalls(ctx, path, camera, colours.scan, 2.2);
   strokeWalls(ctx, moving, camera, colours.moving, 2.2);
-  const half = 1.4 / camera.scale;
+  const half = Math.min(1.5, Math.max(0.6, camera.scale / 40)) / camera.scale;
   const points = transformAll(pose, detail.returns);
   ctx.fillStyle = colours.returns;
   ctx.beginPath();

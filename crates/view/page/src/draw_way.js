@@ -67,7 +67,8 @@ export function strokeWay(ctx, way, camera, colours) {
   ctx.setLineDash([]);
   // The worst on top: it is what has to be seen.
   for (let q = QUALITY_STEPS - 1; q >= 0; q -= 1) {
-    ctx.lineWidth = (q === QUALITY_STEPS - 1 ? 1.5 : 2.4) / camera.scale;
+    const far = camera.scale < 16 ? 0.75 : 1;
+    ctx.lineWidth = (far * (q === QUALITY_STEPS - 1 ? 1.5 : 2.4)) / camera.scale;
     ctx.strokeStyle = colours.quality[q];
     ctx.stroke(way.paths[q]);
   }
@@ -83,7 +84,8 @@ export function strokeWay(ctx, way, camera, colours) {
 export function drawClosures(ctx, history, camera, colours) {
   ctx.strokeStyle = colours.closure;
   ctx.fillStyle = colours.closure;
-  ctx.lineWidth = 1.25;
+  ctx.lineWidth = 1;
+  const dot = camera.scale < 16 ? 1.5 : 2.1;
   for (let n = 0; n < history.time; n += 1) {
     const old = history.frames[n].recognised;
     if (old === undefined) continue;
@@ -95,14 +97,16 @@ export function drawClosures(ctx, history, camera, colours) {
     const away = Math.atan2(by - ay, bx - ax) + Math.PI / 2;
     ctx.beginPath();
     ctx.moveTo(ax, ay);
+    ctx.globalAlpha = 0.65;
     ctx.quadraticCurveTo((ax + bx) / 2 + bow * Math.cos(away), (ay + by) / 2 + bow * Math.sin(away), bx, by);
     ctx.stroke();
+    ctx.globalAlpha = 1;
     for (const [x, y] of [
       [ax, ay],
       [bx, by],
     ]) {
       ctx.beginPath();
-      ctx.arc(x, y, 2.2, 0, 2 * Math.PI);
+      ctx.arc(x, y, dot, 0, 2 * Math.PI);
       ctx.fill();
     }
   }

@@ -17,6 +17,17 @@ export function length(metres) {
   return `${count(metres)}${THIN}m`;
 }
 
+/** @param {number} value @param {number} digits */
+export function signed(value, digits) {
+  const text = value.toFixed(digits);
+  return Number(text) === 0 ? text.replace("-", "") : text.replace("-", "\u2212");
+}
+
+/** A point of the map. @param {number} x @param {number} y */
+export function place(x, y) {
+  return `${signed(x, 2)}, ${signed(y, 2)}${THIN}m`;
+}
+
 /** @param {number | undefined} share */
 export function percent(share) {
   if (share === undefined) return "–";
@@ -28,7 +39,7 @@ export function percent(share) {
 export function degrees(radians) {
   const value = (radians * 180) / Math.PI;
   const wrapped = ((((value + 180) % 360) + 360) % 360) - 180;
-  return `${wrapped.toFixed(1)}°`;
+  return `${signed(wrapped, 1)}°`;
 }
 
 /** @param {number} seconds */

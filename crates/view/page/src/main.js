@@ -42,7 +42,7 @@ class App {
       this.camera,
     );
     this.player = new Player(this.history, () => this.controls());
-    this.panel = new Panel(byId("scan-panel"), byId("map-panel"), this.history, (k) => {
+    this.panel = new Panel(byId("scan-panel"), byId("map-panel"), byId("search-panel"), this.history, (k) => {
       this.scene.hypothesis = k;
       this.wake();
     });

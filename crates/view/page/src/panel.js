@@ -1,7 +1,7 @@
 // What is known of the scan shown: its outcome, why, in figures; and the map in figures.
 
 import { element } from "./dom.js";
-import { count, degrees, duration, length, percent } from "./format.js";
+import { count, degrees, duration, length, percent, place } from "./format.js";
 
 /**
  * @typedef {import("./record.js").Frame} Frame
@@ -12,12 +12,14 @@ export class Panel {
   /**
    * @param {HTMLElement} scan
    * @param {HTMLElement} map
+   * @param {HTMLElement} search
    * @param {History} history
    * @param {(hypothesis: number | undefined) => void} point
    */
-  constructor(scan, map, history, point) {
+  constructor(scan, map, search, history, point) {
     this.scan = scan;
     this.map = map;
+    this.search = search;
     this.history = history;
     this.point = point;
     this.shown = "";
@@ -35,6 +37,11 @@ export class Panel {
     const frame = history.frame;
     this.scan.replaceChildren(...(frame ? this.scanParts(frame, detail) : [waiting()]));
     this.map.replaceChildren(figures(this.mapRows(totals)));
+    const hypotheses = (frame && detail?.search?.hypotheses) || [];
+    const none = frame?.searched ? "Being fetched." : "This scan needed none: the motion so far settled its place.";
+    this.search.replaceChildren(
+      hypotheses.length > 0 ? this.hypothesesTable(hypotheses) : element("p", { class: "note" }, none),
+    );
   }
 
   /**
@@ -55,8 +62,6 @@ export class Panel {
     ];
     if (frame.fit !== undefined) parts.push(bars(frame));
     parts.push(figures(this.scanRows(frame, n)));
-    const hypotheses = detail?.search?.hypotheses ?? [];
-    if (hypotheses.length > 0) parts.push(this.hypothesesTable(hypotheses));
     return parts;
   }
 
@@ -69,7 +74,10 @@ export class Panel {
     const pose = this.history.poses[n];
     /** @type {[string, string][]} */
     const rows = [];
-    if (pose) rows.push(["Place", `${pose[0].toFixed(2)}, ${pose[1].toFixed(2)} m · ${degrees(pose[2])}`]);
+    if (pose) {
+      rows.push(["Place", place(pose[0], pose[1])]);
+      rows.push(["Heading", degrees(pose[2])]);
+    }
     if (frame.ellipse) {
       rows.push(["Standard deviation", `${length(frame.ellipse[0])} × ${length(frame.ellipse[1])}`]);
     }
@@ -108,7 +116,7 @@ export class Panel {
     return element(
       "table",
       { class: "hypotheses", id: "hypotheses" },
-      element("caption", {}, `Poses by shape, ${hypotheses.length}`),
+      element("caption", {}, `${hypotheses.length} poses by shape; point at one to see it`),
       element("thead", {}, element("tr", {}, ...head)),
       element("tbody", {}, ...rows),
     );

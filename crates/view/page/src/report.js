@@ -43,6 +43,8 @@ export function drawReport(report, history, show) {
     card("What became of it", figures(scanRows(report, history))),
     card("Time", stages(report)),
     card("Size", sizes(report)),
+  );
+  byId("report-wide").replaceChildren(
     card("Where it was uncertain", stretches(history, show)),
     card("Places recognised", closures(history, show)),
     card("Settings", settings(report.settings)),
@@ -71,8 +73,7 @@ function lead(report) {
  * @param {Node[]} content
  */
 function card(title, ...content) {
-  const wide = title === "Settings" || title === "Where it was uncertain" ? "card wide" : "card";
-  return element("section", { class: wide }, element("h2", {}, title), ...content);
+  return element("section", { class: "card" }, element("h2", {}, title), ...content);
 }
 
 /**

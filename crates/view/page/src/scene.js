@@ -7,6 +7,7 @@ import { readColours } from "./colours.js";
 import { drawArcs, drawArrow, drawHypotheses, drawPairs, drawScan, drawVirtual } from "./draw_scan.js";
 import { drawBoxes, drawGrid, freshPath, MapPaths, movingPath, strokeWalls } from "./draw_map.js";
 import { drawClosures, drawEllipse, drawEllipses, strokeWay, wayPaths } from "./draw_way.js";
+import { KnownWalls } from "./known_walls.js";
 import { compose, inverse, transform } from "./pose.js";
 import { Surface } from "./surface.js";
 
@@ -33,6 +34,7 @@ export class Scene {
     this.camera = camera;
     this.colours = readColours();
     this.paths = new MapPaths();
+    this.known = new KnownWalls();
     this.shown = "";
     this.shownTime = 0;
     /** @type {number | undefined} */
@@ -60,6 +62,7 @@ export class Scene {
   draw() {
     const { history, camera, layers } = this;
     this.paths.update(history);
+    this.known.update(history);
     const key = [camera.version, history.mapVersion, history.posesVersion, layers.version].join();
     if (key !== this.shown || history.time < this.shownTime) this.drawBelow();
     else if (history.time > this.shownTime) this.addBelow(this.shownTime);
@@ -76,11 +79,11 @@ export class Scene {
     drawGrid(ctx, camera, colours);
     if (layers.shows("boxes")) drawBoxes(ctx, history, camera, colours);
     if (layers.shows("map")) {
-      camera.apply(ctx, this.below.ratio);
+      this.addFresh(0);
       const width = Math.min(2.6, Math.max(1.1, 0.9 + camera.scale / 60));
       strokeWalls(ctx, this.paths.walls, camera, colours.wall, width);
     }
-    this.addBelow(0);
+    this.addWay(0);
     this.below.inPixels();
     if (layers.shows("ellipses")) drawEllipses(ctx, history, camera, colours);
     if (layers.shows("closures")) drawClosures(ctx, history, camera, colours);
@@ -88,18 +91,30 @@ export class Scene {
 
   /** Adds what has come since scan `from`. @param {number} from */
   addBelow(from) {
+    if (this.layers.shows("map")) this.addFresh(from);
+    this.addWay(from);
+  }
+
+  /** Walls that the map does not have yet. @param {number} from */
+  addFresh(from) {
+    const { camera, colours, history } = this;
+    camera.apply(this.below.ctx, this.below.ratio);
+    const fresh = freshPath(history, this.known, Math.max(from, history.mapScans), history.time);
+    strokeWalls(this.below.ctx, fresh, camera, colours.fresh, 1);
+  }
+
+  /** The way, what moved, closures. @param {number} from */
+  addWay(from) {
     const { ctx } = this.below;
     const { camera, colours, history, layers } = this;
     camera.apply(ctx, this.below.ratio);
-    if (layers.shows("map")) {
-      const fresh = freshPath(history, Math.max(from, history.mapScans), history.time);
-      strokeWalls(ctx, fresh, camera, colours.fresh, 1);
-    }
     if (layers.shows("moving")) strokeWalls(ctx, movingPath(history), camera, colours.moving, 1.4);
     if (layers.shows("way")) {
-      strokeWay(ctx, wayPaths(history, Math.max(0, from - 1), history.time, camera.scale), camera, colours);
+      const way = wayPaths(history, Math.max(0, from - 1), history.time, camera.scale);
+      strokeWay(ctx, way, camera, colours);
     }
-    if (from > 0 && layers.shows("closures") && history.frames.slice(from, history.time).some((f) => f.recognised !== undefined)) {
+    const closed = history.frames.slice(from, history.time).some((f) => f.recognised !== undefined);
+    if (from > 0 && closed && layers.shows("closures")) {
       this.below.inPixels();
       drawClosures(ctx, history, camera, colours);
     }
