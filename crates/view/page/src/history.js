@@ -223,6 +223,24 @@ export class History {
     return low;
   }
 
+  /**
+   * Number of the last scan before `n` that was taken from elsewhere, a metre or 30° away; failing that, of the placed
+   * scan before; or −1.
+   * @param {number} n
+   */
+  elsewhereBefore(n) {
+    const pose = this.poses[n];
+    if (pose) {
+      for (let k = n - 1; k >= Math.max(0, n - 2000); k -= 1) {
+        const other = this.poses[k];
+        if (!other) continue;
+        const turn = Math.abs(Math.atan2(Math.sin(pose[2] - other[2]), Math.cos(pose[2] - other[2])));
+        if (Math.hypot(pose[0] - other[0], pose[1] - other[1]) > 1 || turn > 0.52) return k;
+      }
+    }
+    return this.placedBefore(n);
+  }
+
   /** Number of the last placed scan before `n`, or −1. @param {number} n */
   placedBefore(n) {
     let k = n - 1;

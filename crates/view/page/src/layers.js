@@ -19,7 +19,7 @@ import { element } from "./dom.js";
 export const LAYERS = [
   { id: "map", key: "1", name: "Map", title: "Walls of the map, and in grey what was merged since it was made", on: true, detail: false },
   { id: "scan", key: "2", name: "Scan", title: "Returns and polylines of the scan", on: true, detail: true },
-  { id: "pairs", key: "3", name: "Matched pairs", title: "Polylines matched by shape, as dashed lines", on: false, detail: true },
+  { id: "pairs", key: "3", name: "Matched pairs", title: "Polylines matched by shape, as dashed lines: with the virtual scan where there was a search, else with a scan from a metre away", on: false, detail: true },
   { id: "arcs", key: "4", name: "Arcs", title: "Maximal convex arcs of the scan's polylines", on: false, detail: true },
   { id: "hypotheses", key: "5", name: "Hypotheses", title: "Poses that were thought of", on: true, detail: true },
   { id: "virtual", key: "6", name: "Virtual scan", title: "The part of the map that the scan was matched with", on: false, detail: true },

@@ -188,8 +188,9 @@ function stretches(history, show) {
   shown.sort((a, b) => a.first - b.first);
   const items = shown.map((s) => {
     const words = [];
-    if (s.lost > 0) words.push(`${count(s.lost)} not placed`);
-    if (s.open > 0) words.push(`${count(s.open)} with a direction open`);
+    const one = s.first === s.last;
+    if (s.lost > 0) words.push(one ? "not placed" : `${count(s.lost)} not placed`);
+    if (s.open > 0) words.push(one ? "a direction is open" : `${count(s.open)} with a direction open`);
     if (s.worst < 0.7) words.push(`${percent(s.worst)} of the beams agree at worst`);
     return jump(history, s.first, s.last, words.join(", "), show);
   });

@@ -163,7 +163,7 @@ export class Scene {
     if (layers.shows("scan")) drawScan(ctx, detail, pose, camera, colours);
     ctx.globalAlpha = 1;
     if (layers.shows("arcs") || (layers.shows("pairs") && !detail.search)) {
-      this.drawCompared(ctx, detail, pose, before);
+      this.drawCompared(ctx, detail, pose);
     }
     if (layers.shows("pairs") && detail.search && last) {
       const { pairs } = detail.search;
@@ -178,10 +178,10 @@ export class Scene {
    * @param {CanvasRenderingContext2D} ctx
    * @param {import("./details.js").Detail} detail
    * @param {import("./pose.js").Pose} pose
-   * @param {number} before
    */
-  drawCompared(ctx, detail, pose, before) {
-    const earlier = history_pose(this.history, before);
+  drawCompared(ctx, detail, pose) {
+    const before = this.history.elsewhereBefore(detail.n);
+    const earlier = before >= 0 ? this.history.poses[before] : undefined;
     const found = this.details.compared(detail.n, before, earlier ? compose(inverse(earlier), pose) : [0, 0, 0]);
     if (!found) return;
     const { camera, colours, layers } = this;
@@ -218,12 +218,4 @@ export class Scene {
     }
     return bounds.left <= bounds.right ? bounds : undefined;
   }
-}
-
-/**
- * @param {History} history
- * @param {number} n
- */
-function history_pose(history, n) {
-  return n >= 0 ? history.poses[n] : undefined;
 }
