@@ -11,6 +11,8 @@ use polymapper_io::out::AtomicFile;
 use polymapper_view::replay::{self, ReplayWriter};
 use polymapper_view::{Background, Recorder, Scanned, Snapshots};
 
+use crate::scans::short_name;
+
 /// Name and version of the program, as in every file.
 pub const GENERATOR: &str = concat!("polymapper ", env!("CARGO_PKG_VERSION"));
 
@@ -28,7 +30,12 @@ impl BuildRecord {
     pub fn create(folder: &Path, log_name: &str) -> anyhow::Result<Self> {
         let file = AtomicFile::create(&folder.join(replay::FILE))?;
         let sinks = (ReplayWriter::new(file), ReplayWriter::light(Vec::new()));
-        let recorder = Recorder::new(Background::new(sinks), log_name, GENERATOR, Snapshots::Doubling);
+        let recorder = Recorder::new(
+            Background::new(sinks),
+            &short_name(log_name),
+            GENERATOR,
+            Snapshots::Doubling,
+        );
         Ok(Self(recorder.context(CANNOT)?))
     }
 

@@ -29,7 +29,10 @@ pub fn write(
 ) -> anyhow::Result<()> {
     let mut figures = serde_json::to_value(report)?;
     figures["sizes"] = sizes(map, returns);
-    let title = format!("{} – polymapper", short_name(&report.input.name));
+    // The report is made to be sent: where the log lay is nobody's business.
+    let name = short_name(&report.input.name);
+    figures["input"]["name"] = Value::String(name.clone());
+    let title = format!("{name} – polymapper");
     let html = report_html(&title, &recorded.0, &figures);
     AtomicFile::write(&folder.join(FILE), |f| f.write_all(html.as_bytes()))?;
     Ok(())

@@ -83,7 +83,11 @@ mod tests {
             ..Detail::default()
         };
         let found = compare(&scan, Some((&scan, [0.0, 0.0, 0.0])));
-        let pairs: Vec<_> = found.pairs.iter().map(|p| (&p.scan[..], &p.reference[..])).collect();
+        let pairs: Vec<_> = found
+            .pairs
+            .iter()
+            .map(|p| (&p.scan[..], &p.reference[..]))
+            .collect();
         assert_eq!(pairs, [(&[0][..], &[0][..]), (&[1][..], &[1][..])]);
         assert_eq!(found.arcs[0], [(1, 0, 10_000)]);
     }

@@ -66,12 +66,18 @@ pub fn live_html() -> &'static str {
 pub(crate) fn whole_html(title: &str, data: &str) -> String {
     let icon = base64::Engine::encode(&base64::engine::general_purpose::STANDARD, ICON);
     MARKUP
-        .replace("<title>polymapper</title>", &format!("<title>{}</title>", escaped(title)))
+        .replace(
+            "<title>polymapper</title>",
+            &format!("<title>{}</title>", escaped(title)),
+        )
         .replace(
             "<link rel=\"stylesheet\" href=\"style.css\">",
             &format!("<style>\n{STYLE}</style>"),
         )
-        .replace("href=\"icon.svg\"", &format!("href=\"data:image/svg+xml;base64,{icon}\""))
+        .replace(
+            "href=\"icon.svg\"",
+            &format!("href=\"data:image/svg+xml;base64,{icon}\""),
+        )
         .replace(
             "<script type=\"module\" src=\"app.js\"></script>",
             &format!("{data}\n<script type=\"module\">\n{}</script>", script()),
@@ -126,7 +132,13 @@ mod tests {
     #[test]
     fn a_report_is_one_file() {
         let html = whole_html("a <b>", "<script type=\"application/json\">{}</script>");
-        for outside in ["src=\"", "href=\"style.css\"", "href=\"icon.svg\"", "\nimport ", "\nexport "] {
+        for outside in [
+            "src=\"",
+            "href=\"style.css\"",
+            "href=\"icon.svg\"",
+            "\nimport ",
+            "\nexport ",
+        ] {
             assert!(!html.contains(outside), "{outside}");
         }
         assert!(html.contains("<title>a &lt;b&gt;</title>"));

@@ -8,9 +8,7 @@ use polymapper_core::map::Map;
 use polymapper_core::mapper::{Mapper, Outcome, Step};
 use polymapper_core::scan::Scan;
 
-use crate::record::{
-    About, End, FORMAT, Line, MapState, ShownPoses, Skipped, VERSION, detail, frame, walls,
-};
+use crate::record::{About, End, FORMAT, Line, MapState, ShownPoses, Skipped, VERSION, detail, frame, walls};
 
 /// Where lines go.
 pub trait Sink {

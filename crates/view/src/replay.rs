@@ -112,9 +112,7 @@ pub fn read_replay(file: impl Read, store: &Store) -> Result<(), ReplayError> {
     let mut buffer = Vec::new();
     loop {
         buffer.clear();
-        let read = (&mut stream)
-            .take(MAX_LINE_BYTES)
-            .read_until(b'\n', &mut buffer);
+        let read = (&mut stream).take(MAX_LINE_BYTES).read_until(b'\n', &mut buffer);
         match read {
             Ok(0) => return Ok(()),
             Ok(n) if n as u64 == MAX_LINE_BYTES => return Err(ReplayError::TooLong { line: number + 1 }),
@@ -122,10 +120,8 @@ pub fn read_replay(file: impl Read, store: &Store) -> Result<(), ReplayError> {
             Err(source) => return Err(ReplayError::Broken { line: number, source }),
         }
         let text = buffer.trim_ascii();
-        let line: Line = serde_json::from_slice(text).map_err(|source| ReplayError::Line {
-            line: number,
-            source,
-        })?;
+        let line: Line =
+            serde_json::from_slice(text).map_err(|source| ReplayError::Line { line: number, source })?;
         match &line {
             Line::About(about) if about.format != FORMAT || about.version > VERSION => {
                 return Err(ReplayError::Format {
@@ -195,8 +191,7 @@ mod tests {
         };
         assert!(fault("FLASER 3 1 1 1\n").contains("line 1 is no line of a record"));
         assert!(fault("{\"end\":{\"partial\":null}}\n").contains("not `about`"));
-        let future =
-            r#"{"about":{"format":"polymapper-replay","version":9,"generator":"","log":""}}"#;
+        let future = r#"{"about":{"format":"polymapper-replay","version":9,"generator":"","log":""}}"#;
         assert!(fault(future).contains("version 9"));
     }
 }

@@ -62,12 +62,7 @@ impl Store {
     pub(crate) fn details(&self, first: usize, last: usize) -> Bytes {
         let held = self.held();
         let mut out = BytesMut::new();
-        for line in held
-            .details
-            .iter()
-            .take(last.saturating_add(1))
-            .skip(first)
-        {
+        for line in held.details.iter().take(last.saturating_add(1)).skip(first) {
             out.extend_from_slice(line);
         }
         out.freeze()

@@ -207,7 +207,9 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read() {
-        let all = entries("{\"ranges_m\":[1,2],\"step_rad\":0.5,\"stamp_s\":3.5,\"odometry\":[1,2,0.5],\"new\":1}\n");
+        let all = entries(
+            "{\"ranges_m\":[1,2],\"step_rad\":0.5,\"stamp_s\":3.5,\"odometry\":[1,2,0.5],\"new\":1}\n",
+        );
         let Entry::Scan(scan) = &all[0] else {
             panic!("{all:?}");
         };

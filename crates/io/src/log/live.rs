@@ -67,8 +67,7 @@ mod tests {
         sender
             .send("FLASER 3 1 1 1 0 0 0 0 0 0 5.5 host 1\nFLASER 3 1 1")
             .unwrap();
-        let mut log =
-            open_live("stream", BufReader::new(Fed(receiver)), ReadOptions::default()).unwrap();
+        let mut log = open_live("stream", BufReader::new(Fed(receiver)), ReadOptions::default()).unwrap();
         assert!(matches!(log.next(), Some(Ok(Entry::Scan(scan))) if scan.index == 0));
         sender.send(" 1 0 0 0 0 0 0 6.5 host 1\n").unwrap();
         assert!(matches!(log.next(), Some(Ok(Entry::Scan(scan))) if scan.stamp_s == Some(6.5)));

@@ -106,15 +106,18 @@ struct Format {
 }
 
 /// Asked in order; the first that recognises the content reads it.
-const FORMATS: &[Format] = &[Format {
-    name: "CARMEN",
-    recognise: carmen::recognise,
-    open: carmen::open,
-}, Format {
-    name: "JSON lines",
-    recognise: json_lines::recognise,
-    open: json_lines::open,
-}];
+const FORMATS: &[Format] = &[
+    Format {
+        name: "CARMEN",
+        recognise: carmen::recognise,
+        open: carmen::open,
+    },
+    Format {
+        name: "JSON lines",
+        recognise: json_lines::recognise,
+        open: json_lines::open,
+    },
+];
 
 /// An opened log: an iterator over its laser lines.
 pub struct Log {

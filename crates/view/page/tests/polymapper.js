@@ -9,7 +9,7 @@ import { test as base } from "@playwright/test";
 export const ROOT = resolve(import.meta.dirname, "../../../..");
 export const SAMPLE = join(ROOT, "samples/killian.log.gz");
 /** Logs that are not ours to ship. */
-export const RAW_INTEL = join(ROOT, "../shared/data/raw/intel.clf.gz");
+export const RAW_INTEL = join(process.env.POLYMAPPER_SHARED ?? join(ROOT, "../shared"), "data/raw/intel.clf.gz");
 
 const PROGRAM = process.env.POLYMAPPER ?? join(ROOT, "target/release/polymapper");
 
@@ -58,10 +58,16 @@ export function view(args) {
 }
 
 /**
- * Tests with a folder of the sample's build, made once, and a way to view things.
- * @type {import("@playwright/test").TestType<any, any>}
+ * @typedef {object} Worker
+ * @property {string} scratch A folder that goes away.
+ * @property {string} built The sample's build in it, made once.
+ *
+ * @typedef {object} Viewing
+ * @property {(...args: string[]) => Promise<View>} viewing Starts `view`; ended after the test.
  */
-export const test = base.extend({
+
+/** @type {import("@playwright/test").Fixtures<Viewing, Worker, import("@playwright/test").PlaywrightTestArgs>} */
+const fixtures = {
   scratch: [
     // eslint-disable-next-line no-empty-pattern -- Playwright reads the pattern
     async ({}, use) => {
@@ -96,7 +102,11 @@ export const test = base.extend({
     for (const started of all) started.process.kill("SIGKILL");
     if (faults.length > 0) throw new Error(`the page complained: ${faults.join("; ")}`);
   },
-});
+};
+
+export const test = /** @type {import("@playwright/test").TestType<Viewing & import("@playwright/test").PlaywrightTestArgs
+  & import("@playwright/test").PlaywrightTestOptions, Worker & import("@playwright/test").PlaywrightWorkerArgs
+  & import("@playwright/test").PlaywrightWorkerOptions>} */ (base.extend(fixtures));
 
 export { expect } from "@playwright/test";
 

@@ -7,9 +7,7 @@ use polymapper_core::matching::Matching;
 use polymapper_core::scan::Scan;
 
 use super::points::millimetres;
-use super::{
-    Chain, Detail, Frame, HypothesisRecord, PairRecord, Search, Walls, chain, pose_record, rounded,
-};
+use super::{Chain, Detail, Frame, HypothesisRecord, PairRecord, Search, Walls, chain, pose_record, rounded};
 
 /// Standard deviations beyond this say no more than "open", metres.
 const WIDEST_M: f64 = 9.0;

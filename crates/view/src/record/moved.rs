@@ -45,7 +45,8 @@ pub struct ShownPoses(Vec<Option<Pose>>);
 impl ShownPoses {
     /// Takes note of the next scan.
     pub fn push(&mut self, pose: Option<PoseRecord>) {
-        self.0.push(pose.map(|[x, y, theta_rad]| Pose::new(x, y, theta_rad)));
+        self.0
+            .push(pose.map(|[x, y, theta_rad]| Pose::new(x, y, theta_rad)));
     }
 
     /// Number of the last scan that has a place.
@@ -101,11 +102,7 @@ impl ShownPoses {
 /// from the origin.
 fn motion(was: Pose, now: Pose) -> PoseRecord {
     let by = now * was.inverse();
-    [
-        rounded(by.x, 1e5),
-        rounded(by.y, 1e5),
-        rounded(by.theta_rad, 1e7),
-    ]
+    [rounded(by.x, 1e5), rounded(by.y, 1e5), rounded(by.theta_rad, 1e7)]
 }
 
 fn pose([x, y, theta_rad]: PoseRecord) -> Pose {

@@ -39,7 +39,9 @@ mod tests {
 
     #[test]
     fn rounding_errors_do_not_add_up() {
-        let points: Vec<Point> = (0..1000).map(|k| Point::new(0.0014 * f64::from(k), -1.0)).collect();
+        let points: Vec<Point> = (0..1000)
+            .map(|k| Point::new(0.0014 * f64::from(k), -1.0))
+            .collect();
         let back = polyline(&chain(points.iter().copied())).unwrap();
         for (a, b) in points.iter().zip(back.vertices()) {
             assert!(a.distance(*b) < 0.0008);

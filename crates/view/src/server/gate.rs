@@ -30,7 +30,8 @@ impl Gate {
         }
         let foreign_origin =
             headers.contains_key(ORIGIN) && text("origin") != Some(format!("http://{host}").as_str());
-        let is_visit = text("sec-fetch-mode") == Some("navigate") && text("sec-fetch-dest") == Some("document");
+        let is_visit =
+            text("sec-fetch-mode") == Some("navigate") && text("sec-fetch-dest") == Some("document");
         let foreign_site = matches!(text("sec-fetch-site"), Some("cross-site" | "same-site"));
         (foreign_origin || foreign_site && !is_visit).then_some("pages of other sites may not ask here")
     }
@@ -91,7 +92,13 @@ mod tests {
 
     #[test]
     fn a_name_that_was_made_to_lead_here_is_refused() {
-        for host in ["evil.example:7070", "localhost:80", "localhost", "127.0.0.1.evil:7070", ""] {
+        for host in [
+            "evil.example:7070",
+            "localhost:80",
+            "localhost",
+            "127.0.0.1.evil:7070",
+            "",
+        ] {
             assert!(refused("127.0.0.1:7070", &[("host", host)]), "{host}");
             assert!(refused("0.0.0.0:7070", &[("host", host)]), "{host}");
         }
@@ -101,7 +108,12 @@ mod tests {
     #[test]
     fn a_page_of_another_site_is_refused_but_a_link_may_lead_here() {
         let host = ("host", "localhost:7070");
-        for origin in ["http://evil.example", "null", "https://localhost:7070", "http://localhost:8080"] {
+        for origin in [
+            "http://evil.example",
+            "null",
+            "https://localhost:7070",
+            "http://localhost:8080",
+        ] {
             assert!(
                 refused(
                     "127.0.0.1:7070",
@@ -111,10 +123,23 @@ mod tests {
             );
         }
         let cross = ("sec-fetch-site", "cross-site");
-        assert!(refused("127.0.0.1:7070", &[host, cross, ("sec-fetch-mode", "no-cors")]));
-        let frame = [host, cross, ("sec-fetch-mode", "navigate"), ("sec-fetch-dest", "iframe")];
+        assert!(refused(
+            "127.0.0.1:7070",
+            &[host, cross, ("sec-fetch-mode", "no-cors")]
+        ));
+        let frame = [
+            host,
+            cross,
+            ("sec-fetch-mode", "navigate"),
+            ("sec-fetch-dest", "iframe"),
+        ];
         assert!(refused("127.0.0.1:7070", &frame));
-        let link = [host, cross, ("sec-fetch-mode", "navigate"), ("sec-fetch-dest", "document")];
+        let link = [
+            host,
+            cross,
+            ("sec-fetch-mode", "navigate"),
+            ("sec-fetch-dest", "document"),
+        ];
         assert!(!refused("127.0.0.1:7070", &link));
     }
 }

@@ -22,6 +22,9 @@ pub fn open(url: &str) {
         .stderr(Stdio::null())
         .spawn();
     if opened.is_err() {
-        say(format_args!("no browser could be opened ({} is not there)", OPENER[0]));
+        say(format_args!(
+            "no browser could be opened ({} is not there)",
+            OPENER[0]
+        ));
     }
 }

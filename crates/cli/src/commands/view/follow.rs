@@ -28,8 +28,7 @@ impl Follower {
                 self.recorder.step(&self.mapper, scanned(scan), &step)?;
             }
             Entry::Bad(bad) => {
-                self.recorder
-                    .skip(bad.index, bad.line, &bad.fault.to_string())?;
+                self.recorder.skip(bad.index, bad.line, &bad.fault.to_string())?;
             }
         }
         Ok(())

@@ -7,14 +7,12 @@ mod browser;
 mod follow;
 mod stream;
 
-use std::fs::File;
-use std::path::Path;
 use std::thread;
 use std::time::Duration;
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use polymapper_io::log::ReadOptions;
-use polymapper_view::replay::{self, read_replay};
+use polymapper_view::replay::read_replay;
 use polymapper_view::server::Server;
 use polymapper_view::{Recorder, Snapshots, Store};
 
@@ -49,7 +47,10 @@ pub fn run(args: &ViewArgs) -> anyhow::Result<Finish> {
         browser::open(&url);
     }
     let finish = match source {
-        Source::Folder(path) => replayed(&path, &store)?,
+        Source::Replay { file, name } => {
+            read_replay(file, &store).context(name)?;
+            Finish::Whole
+        }
         Source::Log(mut log) => {
             let mut follower = follower(&log.name().to_owned(), store, LOG_WAIT)?;
             let reading = scans::for_each(&mut log, &interrupt, |entry| follower.take(&entry))?;
@@ -82,23 +83,10 @@ fn follower(name: &str, store: Store, longest: Duration) -> anyhow::Result<Follo
         share: MAP_SHARE,
         longest,
     };
-    Ok(Follower::new(Recorder::new(store, name, GENERATOR, snapshots)?))
-}
-
-/// Reads the replay of a build.
-fn replayed(folder: &Path, store: &Store) -> anyhow::Result<Finish> {
-    let path = folder.join(replay::FILE);
-    let file = match File::open(&path) {
-        Ok(file) => file,
-        Err(_) if folder.join("map.json").exists() => bail!(
-            "{} holds a map, but no {}: build it again without --no-replay",
-            folder.display(),
-            replay::FILE
-        ),
-        Err(error) => {
-            return Err(error).with_context(|| format!("{} cannot be read", path.display()));
-        }
-    };
-    read_replay(file, store).with_context(|| path.display().to_string())?;
-    Ok(Finish::Whole)
+    Ok(Follower::new(Recorder::new(
+        store,
+        &scans::short_name(name),
+        GENERATOR,
+        snapshots,
+    )?))
 }

@@ -1,15 +1,17 @@
 //! Where the scans come from: a log, a folder, or a stream that is read on a thread of its own, so that the map is made
 //! while nothing comes.
 
+use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::net::{TcpListener, TcpStream};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use polymapper_io::log::{Entry, Log, LogError, ReadOptions, open_live};
+use polymapper_view::replay;
 
 use super::follow::Follower;
 use crate::interrupt::Interrupt;
@@ -23,8 +25,13 @@ const IDLE_AFTER: Duration = Duration::from_millis(150);
 
 /// What is watched.
 pub enum Source {
-    /// The folder of a build.
-    Folder(PathBuf),
+    /// What a build has recorded.
+    Replay {
+        /// The packed record.
+        file: File,
+        /// Its name, for messages.
+        name: String,
+    },
     /// A log in a file.
     Log(Box<Log>),
     /// Scans as they come.
@@ -42,9 +49,26 @@ impl Source {
             return Ok(Self::Stream(listen(place, options)?));
         }
         if name.is_dir() {
-            return Ok(Self::Folder(name.to_owned()));
+            return replay_in(name);
         }
         Ok(Self::Log(Box::new(scans::open(name, options)?)))
+    }
+}
+
+/// The replay in the folder of a build.
+fn replay_in(folder: &Path) -> anyhow::Result<Source> {
+    let path = folder.join(replay::FILE);
+    match File::open(&path) {
+        Ok(file) => Ok(Source::Replay {
+            file,
+            name: path.display().to_string(),
+        }),
+        Err(_) if folder.join("map.json").exists() => bail!(
+            "{} holds a map, but no {}: build it again without --no-replay",
+            folder.display(),
+            replay::FILE
+        ),
+        Err(error) => Err(error).with_context(|| format!("{} cannot be read", path.display())),
     }
 }
 
@@ -54,16 +78,13 @@ fn listen(place: &str, options: ReadOptions) -> anyhow::Result<Stream> {
     } else {
         format!("127.0.0.1:{place}")
     };
-    let listener =
-        TcpListener::bind(&address).with_context(|| format!("cannot listen on {address}"))?;
-    say(format_args!("scans are awaited at tcp:{}", listener.local_addr()?));
+    let listener = TcpListener::bind(&address).with_context(|| format!("cannot listen on {address}"))?;
+    say(format_args!(
+        "scans are awaited at tcp:{}",
+        listener.local_addr()?
+    ));
     let name = format!("tcp:{address}");
-    let reader = move || {
-        Ok(Box::new(Callers {
-            listener,
-            now: None,
-        }) as Box<dyn Read>)
-    };
+    let reader = move || Ok(Box::new(Callers { listener, now: None }) as Box<dyn Read>);
     Ok(Stream::start(&name, reader, options))
 }
 
