@@ -32,10 +32,10 @@ async function picture(name, url, { scheme, width, height, whole = false }, act)
 }
 
 await picture("view.png", server.url, { scheme: "light", width: 1280, height: 760 }, async (page) => {
-  // Where the loop closes; a search a few scans before.
-  await page.locator("#layer-pairs").check();
-  await page.keyboard.press("p");
+  // Where the scanner comes back to the corridor; the scan reaches far.
+  await page.locator("#slider").fill("262");
   await page.keyboard.press("f");
+  await page.mouse.move(200, 300);
 });
 await picture("view-dark.png", server.url, { scheme: "dark", width: 1280, height: 760 }, async (page) => {
   await page.keyboard.press("p");

@@ -1,5 +1,7 @@
 //! What the server answers, and what it stands.
 
+#![expect(clippy::unwrap_used, reason = "a test may fail by panic")]
+
 use std::io::{Read, Write};
 use std::net::{Ipv4Addr, SocketAddr, TcpStream};
 use std::sync::Arc;

@@ -98,8 +98,9 @@ export class MapPaths {
     this.walls = new Path2D();
     this.vertices = 0;
     this.length_m = 0;
-    /** Middles of sides and their lengths. @type {[number, number, number][]} */
+    /** Ends of sides and what they weigh. @type {[number, number, number][]} */
     const sides = [];
+    let weight = 0;
     for (const wall of history.map.values()) {
       const p = wall.points;
       trace(this.walls, p);
@@ -108,20 +109,24 @@ export class MapPaths {
         if (k === 0) continue;
         const side = Math.hypot(p[k] - p[k - 2], p[k + 1] - p[k - 1]);
         this.length_m += side;
-        sides.push([p[k], p[k + 1], side / 2], [p[k - 2], p[k - 1], side / 2]);
+        const seen = Math.min(wall.observations[k / 2] ?? 1, wall.observations[k / 2 - 1] ?? 1, MOST_SEEN);
+        weight += side * seen;
+        sides.push([p[k], p[k + 1], (side * seen) / 2], [p[k - 2], p[k - 1], (side * seen) / 2]);
       }
     }
-    this.bounds = mainExtent(sides, this.length_m);
+    this.bounds = mainExtent(sides, weight);
   }
 }
 
 /** Share of the walls that may lie outside at each edge: a few strays, seen through a window, make no map small. */
 const STRAY_SHARE = 0.01;
+/** A wall weighs by how often it was seen, up to this: strays are seen once or twice. */
+const MOST_SEEN = 10;
 
 /**
  * The box that holds nearly all of the walls: [left, bottom, right, top].
- * @param {[number, number, number][]} ends Ends of sides, and the length that each stands for.
- * @param {number} whole Length of all.
+ * @param {[number, number, number][]} ends Ends of sides, and what each weighs.
+ * @param {number} whole Weight of all.
  * @returns {[number, number, number, number] | undefined}
  */
 function mainExtent(ends, whole) {

@@ -2,7 +2,7 @@
 //!
 //! It stands on one thread of its own and never waits for the mapper, nor the mapper for it. What it can be made to
 //! hold is bounded: connections ([`MOST_CONNECTIONS`]), the head of a request ([`MOST_HEAD_BYTES`]), what is on its
-//! way to one page (two pieces of [`stream::PIECE_BYTES`]). A page that stops reading is dropped after a while.
+//! way to one page (two pieces of 64 kB). A page that stops reading is dropped after a while.
 
 mod answers;
 mod gate;

@@ -52,7 +52,7 @@ pub fn run(args: &ViewArgs) -> anyhow::Result<Finish> {
             Finish::Whole
         }
         Source::Log(mut log) => {
-            let mut follower = follower(&log.name().to_owned(), store, LOG_WAIT)?;
+            let mut follower = follower(log.name(), store, LOG_WAIT)?;
             let reading = scans::for_each(&mut log, &interrupt, |entry| follower.take(&entry))?;
             follower.finish(reading.partial.clone())?;
             Finish::with_loss(reading.has_loss())
