@@ -37,6 +37,8 @@ export class Scene {
     this.known = new KnownWalls();
     this.shown = "";
     this.shownTime = 0;
+    /** Paths by name. @type {Map<string, {key: string, value: any}>} */
+    this.made = new Map();
     /** @type {number | undefined} */
     this.hypothesis = undefined;
     /** Drawn last, in pixels. @type {((ctx: CanvasRenderingContext2D) => void) | undefined} */
@@ -99,7 +101,10 @@ export class Scene {
   addFresh(from) {
     const { camera, colours, history } = this;
     camera.apply(this.below.ctx, this.below.ratio);
-    const fresh = freshPath(history, this.known, Math.max(from, history.mapScans), history.time);
+    const first = Math.max(from, history.mapScans);
+    const make = () => freshPath(history, this.known, first, history.time);
+    const key = [first, history.time, history.mapVersion, history.posesVersion].join();
+    const fresh = this.cached("fresh", key, make);
     strokeWalls(this.below.ctx, fresh, camera, colours.fresh, 1);
   }
 
@@ -108,9 +113,15 @@ export class Scene {
     const { ctx } = this.below;
     const { camera, colours, history, layers } = this;
     camera.apply(ctx, this.below.ratio);
-    if (layers.shows("moving")) strokeWalls(ctx, movingPath(history), camera, colours.moving, 1.4);
+    const key = [from, history.time, history.posesVersion].join();
+    if (layers.shows("moving")) {
+      const moving = this.cached("moving", key, () => movingPath(history));
+      strokeWalls(ctx, moving, camera, colours.moving, 1.4);
+    }
     if (layers.shows("way")) {
-      const way = wayPaths(history, Math.max(0, from - 1), history.time, camera.scale);
+      const { scale } = camera;
+      const make = () => wayPaths(history, Math.max(0, from - 1), history.time, scale);
+      const way = this.cached("way", `${key},${scale}`, make);
       strokeWay(ctx, way, camera, colours);
     }
     const closed = history.frames.slice(from, history.time).some((f) => f.recognised !== undefined);
@@ -189,6 +200,22 @@ export class Scene {
     if (layers.shows("pairs") && !detail.search && earlier) {
       drawPairs(ctx, found.pairs, detail.polylines, pose, found.reference, earlier, camera, colours);
     }
+  }
+
+  /**
+   * What was made for the same key the last time; made anew for another. Moving the view makes no new paths.
+   * @template T
+   * @param {string} name
+   * @param {string} key
+   * @param {() => T} make
+   * @returns {T}
+   */
+  cached(name, key, make) {
+    const held = this.made.get(name);
+    if (held?.key === key) return held.value;
+    const value = make();
+    this.made.set(name, { key, value });
+    return value;
   }
 
   /** The extent of what there is to see; undefined where there is nothing. @returns {Bounds | undefined} */
