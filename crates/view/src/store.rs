@@ -5,9 +5,11 @@
 
 use std::io;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use bytes::{Bytes, BytesMut};
-use tokio::sync::watch;
+use tokio::sync::{Notify, watch};
+use tokio::time::sleep;
 
 use crate::record::{Detail, Line};
 use crate::recorder::Sink;
@@ -16,9 +18,15 @@ use crate::recorder::Sink;
 #[derive(Clone)]
 pub struct Store {
     held: Arc<Mutex<Held>>,
-    /// Tells how many lines there are.
+    /// Told of every line; one waits for it, however many pages there are.
+    grown: Arc<Notify>,
+    /// Tells all pages how many lines there are.
     lines: watch::Sender<usize>,
 }
+
+/// Pages are told of new lines at most this often. Waking 200 of them for every single line would take the mapper as
+/// much time as mapping.
+const TELL_AFTER: Duration = Duration::from_millis(5);
 
 #[derive(Default)]
 struct Held {
@@ -31,6 +39,7 @@ impl Default for Store {
     fn default() -> Self {
         Self {
             held: Arc::default(),
+            grown: Arc::default(),
             lines: watch::Sender::new(0),
         }
     }
@@ -40,6 +49,16 @@ impl Store {
     /// Follows the number of lines.
     pub(crate) fn watch(&self) -> watch::Receiver<usize> {
         self.lines.subscribe()
+    }
+
+    /// Tells all pages when there are new lines, as long as it is polled.
+    pub(crate) async fn herald(&self) {
+        loop {
+            self.grown.notified().await;
+            let count = self.held().lines.len();
+            self.lines.send_replace(count);
+            sleep(TELL_AFTER).await;
+        }
     }
 
     /// As many lines from `from` on as fit into `most_bytes`, at least one if there is one; how many they are, and
@@ -85,16 +104,16 @@ impl Store {
     /// Takes a line that is text already.
     pub(crate) fn push(&self, line: &Line, mut text: Vec<u8>) {
         text.push(b'\n');
-        let count = {
+        {
             let mut held = self.held();
-            match line {
-                Line::Detail(_) => held.details.push(text.into()),
-                _ => held.lines.push(text.into()),
-            }
             held.ended |= matches!(line, Line::End(_));
-            held.lines.len()
-        };
-        self.lines.send_replace(count);
+            if matches!(line, Line::Detail(_)) {
+                held.details.push(text.into());
+                return;
+            }
+            held.lines.push(text.into());
+        }
+        self.grown.notify_one();
     }
 }
 

@@ -101,6 +101,8 @@ async fn serve(listener: TcpListener, gate: Gate, store: Store) {
     let Ok(listener) = tokio::net::TcpListener::from_std(listener) else {
         return;
     };
+    let herald = store.clone();
+    tokio::spawn(async move { herald.herald().await });
     let gate = Arc::new(gate);
     let places = Arc::new(Semaphore::new(MOST_CONNECTIONS));
     loop {
