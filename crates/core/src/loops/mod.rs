@@ -9,4 +9,4 @@ mod recognise;
 pub(crate) mod ways;
 
 pub use recognise::RecogniseSettings;
-pub(crate) use recognise::recognise;
+pub(crate) use recognise::{recognise, seen_around};

@@ -124,7 +124,7 @@ const SAME_VIEW_M: f64 = 3.0;
 
 /// The middle of what a keyframe saw, map frame: two scans show the same walls when these are near, wherever the
 /// scanner stood.
-fn seen_around(keyframe: &Keyframe) -> Point {
+pub(crate) fn seen_around(keyframe: &Keyframe) -> Point {
     let sum = keyframe
         .points
         .iter()
@@ -186,7 +186,7 @@ impl Place {
         let mut owner = 0;
         for k in stretch(keyframes, middle, stretch_m, |_| true) {
             let keyframe = &keyframes[k];
-            for polyline in &keyframe.polylines {
+            for polyline in &keyframe.extraction.polylines {
                 sides.insert(
                     owner,
                     keyframe.map_from_scan.transform(polyline.polyline.vertices()),

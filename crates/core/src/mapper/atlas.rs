@@ -6,19 +6,20 @@
 //! drift has gathered. The map of all keyframes is made when it is asked for.
 
 use super::{Settings, Step};
-use crate::align::{Alignment, Information, SidePoint};
+use std::sync::Arc;
+
+use crate::align::{Alignment, Information};
 use crate::geometry::{Pose, wrap_rad};
-use crate::keyframe::Keyframe;
+use crate::keyframe::{Keyframe, Seen};
 use crate::loops::graph::{Edge, optimise};
 use crate::loops::ways::ways_m;
-use crate::loops::{RecogniseSettings, recognise};
+use crate::loops::{RecogniseSettings, recognise, seen_around};
 use crate::map::{EraserBox, Map};
 use crate::merge::eraser::{boxes, disordered_runs};
 use crate::merge::finish::finish;
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::moving::find_moving;
 use crate::merge::{MergeReport, MergeSettings, merge, merge_all};
-use crate::scan::Scan;
 
 /// Keyframes within this way along the graph make up the map around, metres. Drift stays below the gate of merging.
 const LOCAL_M: f64 = 12.0;
@@ -26,6 +27,10 @@ const LOCAL_M: f64 = 12.0;
 const RENEW_AFTER_M: f64 = 6.0;
 /// Way between two looks for a known place, metres.
 const LOOK_AFTER_M: f64 = 1.0;
+
+/// Way between two ties to an earlier visit, and how near the middles of what both saw must be, metres.
+const TIE_AFTER_M: f64 = 1.0;
+const TIE_WITHIN_M: f64 = 3.0;
 
 /// Two closures within a few metres of each other agree when they differ by less than this, metres.
 const AGREE_M: f64 = 0.4;
@@ -39,7 +44,7 @@ const KEYFRAME_NEW_SHARE: f64 = 0.2;
 const KEYFRAME_SCANS: usize = 10;
 
 /// See the module.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Atlas {
     keyframes: Vec<Keyframe>,
     edges: Vec<Edge>,
@@ -54,6 +59,10 @@ pub(crate) struct Atlas {
     waiting: Option<Edge>,
     /// Something that was merged has moved since.
     is_stale: bool,
+    /// Keyframes that the map around was made of when it was last made anew.
+    around: Vec<usize>,
+    /// Way since the newest keyframe was last tied to an old one, metres.
+    untied_m: f64,
     /// Way since the map around was made anew, and since the last look for a known place, metres.
     unrenewed_m: f64,
     unlooked_m: f64,
@@ -97,36 +106,67 @@ impl Atlas {
     }
 
     /// Takes a scan in: moving objects are found, the rest is merged.
-    pub fn add_keyframe(
-        &mut self,
-        step: &mut Step,
-        scan: &Scan,
-        points: Vec<SidePoint>,
-        pose: Pose,
-        settings: &Settings,
-    ) {
+    pub fn add_keyframe(&mut self, step: &mut Step, seen: &Seen, pose: Pose, settings: &Settings) {
         if let Some(last) = self.keyframes.last() {
             let from = self.keyframes.len() - 1;
             let edge = edge_to_next(from, last.map_from_scan, pose, step.alignment.as_ref());
             let way_m = edge.motion.translation().norm();
             self.unrenewed_m += way_m;
             self.unlooked_m += way_m;
+            self.untied_m += way_m;
             self.edges.push(edge);
         }
+        let way_m = self
+            .keyframes
+            .last()
+            .map_or(0.0, |k| k.way_m + k.map_from_scan.distance(pose));
         self.keyframes.push(Keyframe {
+            way_m,
             number: step.scan,
-            scan: scan.clone(),
-            is_moving: vec![false; step.extraction.polylines.len()],
-            polylines: step.extraction.polylines.clone(),
-            points,
-            disordered_runs: disordered_runs(scan, step.extraction.noise_m, &settings.eraser),
+            scan: Arc::new(seen.scan.clone()),
+            is_moving: vec![false; seen.extraction.polylines.len()],
+            extraction: Arc::clone(&seen.extraction),
+            points: Arc::clone(&seen.points),
+            disordered_runs: disordered_runs(seen.scan, seen.extraction.noise_m, &settings.eraser).into(),
             map_from_scan: pose,
         });
+        self.tie(step);
         self.take_moving_out(step, settings);
         let newest = self.keyframes.len() - 1;
         let report = self.merge_locally(newest, &settings.merge);
         self.merged_into.clone_from(&report.into);
         step.merged = Some(report);
+    }
+
+    /// Ties the newest keyframe to an old one: where the map around holds an earlier visit, the scan was aligned to that
+    /// as well, and when poses move later the two visits must stay together.
+    fn tie(&mut self, step: &Step) {
+        let newest = self.keyframes.len() - 1;
+        let Some(alignment) = step.alignment.filter(|_| self.untied_m > TIE_AFTER_M) else {
+            return;
+        };
+        let here = seen_around(&self.keyframes[newest]);
+        let old = self
+            .around
+            .iter()
+            .filter(|&&k| self.keyframes[newest].way_m - self.keyframes[k].way_m > 2.0 * LOCAL_M)
+            .map(|&k| (k, seen_around(&self.keyframes[k]).distance(here)))
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((old, _)) = old.filter(|o| o.1 < TIE_WITHIN_M) else {
+            return;
+        };
+        let from = self.keyframes[old].map_from_scan;
+        self.untied_m = 0.0;
+        self.edges.push(Edge {
+            from: old,
+            to: newest,
+            motion: from.inverse() * self.keyframes[newest].map_from_scan,
+            information: alignment
+                .information
+                .turned(-from.theta_rad)
+                .with_noise(0.03, 0.003),
+            is_loop: true,
+        });
     }
 
     fn take_moving_out(&mut self, step: &mut Step, settings: &Settings) {
@@ -226,6 +266,7 @@ impl Atlas {
         self.boxes = boxes(&self.keyframes, &settings.eraser);
         self.local = GrowingMap::default();
         let around: Vec<usize> = self.keyframes_around();
+        self.around.clone_from(&around);
         let keyframes = around.iter().map(|&k| &self.keyframes[k]);
         let report = merge_all(&mut self.local, keyframes, &self.boxes, &settings.merge);
         self.merges = around.len() as u32;

@@ -30,38 +30,34 @@
 mod atlas;
 mod settings;
 mod step;
+mod track;
+mod tracks;
 
-use crate::align::SidePoint;
+use std::sync::Arc;
+
 use crate::align::side_points;
 use crate::extract::{ExtractSettings, Extraction, RunningNoise, extract};
 use crate::geometry::Pose;
+use crate::keyframe::Seen;
 use crate::map::Map;
-use crate::place::{Answer, Motion, Question, place};
+use crate::place::Answer;
 use crate::scan::Scan;
-use atlas::Atlas;
+use track::Track;
+use tracks::{Onward, onward};
 
 pub use settings::Settings;
-pub use step::{NotPlaced, Outcome, Stage, Step};
+pub use step::{Hypothesis, NotPlaced, Outcome, Stage, Step};
 
 /// Builds a map scan by scan.
 pub struct Mapper {
     settings: Settings,
     noise: RunningNoise,
-    motion: Option<Motion>,
-    /// Odometry of the last placed scan.
-    odometry: Option<Pose>,
-    scans: Vec<Held>,
-    atlas: Atlas,
-}
-
-/// How a scan is held: by a keyframe, with which it moves when loops are closed, or not at all.
-#[derive(Clone, Copy)]
-enum Held {
-    By {
-        keyframe: usize,
-        keyframe_from_scan: Pose,
-    },
-    Nowhere(NotPlaced),
+    /// Number of the next scan.
+    next: usize,
+    /// Accounts of the motion so far, best first; more than one while the walls cannot tell.
+    tracks: Vec<Track>,
+    /// Scans since there was but one.
+    scans_undecided: usize,
 }
 
 /// Returns on polylines that an alignment needs.
@@ -74,10 +70,9 @@ impl Mapper {
         Self {
             settings,
             noise: RunningNoise::default(),
-            motion: None,
-            odometry: None,
-            scans: Vec::new(),
-            atlas: Atlas::default(),
+            next: 0,
+            tracks: vec![Track::default()],
+            scans_undecided: 0,
         }
     }
 
@@ -95,28 +90,79 @@ impl Mapper {
         enter: &mut dyn FnMut(Stage),
     ) -> Step {
         enter(Stage::Extract);
-        let extraction = self.extract(scan);
+        let number = self.next;
+        self.next += 1;
+        let extraction = Arc::new(self.extract(scan));
         let points = side_points(scan, &extraction.polylines, extraction.noise_m);
+        let seen = Seen {
+            scan,
+            extraction: Arc::clone(&extraction),
+            points: points.into(),
+        };
+        if seen.points.len() < LEAST_POINTS {
+            self.tracks
+                .iter_mut()
+                .for_each(|t| t.miss(NotPlaced::TooFewReturns));
+            return Step::new(number, extraction, NotPlaced::TooFewReturns);
+        }
 
         enter(Stage::Place);
-        let answer = self.place(&extraction, &points, odometry);
-        let mut step = Step::new(self.scans.len(), extraction, &answer);
-        let Some(pose) = step.placed() else {
-            self.miss(&step);
-            return step;
-        };
-        self.advance(pose, odometry);
+        let settings = &self.settings;
+        let answers: Vec<Answer> = self
+            .tracks
+            .iter()
+            .map(|track| track.place(&seen, odometry, settings))
+            .collect();
+        let ways = onward(&self.tracks, &answers, self.scans_undecided);
 
-        enter(Stage::Merge);
-        if self.atlas.wants(pose, &step) {
-            self.atlas
-                .add_keyframe(&mut step, scan, points, pose, &self.settings);
-            enter(Stage::Loops);
-            let moved = self.atlas.close_loops(&mut step, &self.settings);
-            self.follow(moved);
+        let mut steps: Vec<Step> = Vec::with_capacity(ways.len());
+        let mut tracks: Vec<Track> = Vec::with_capacity(ways.len());
+        for way in &ways {
+            let mut track = if ways.len() == 1 {
+                std::mem::take(&mut self.tracks[way.track])
+            } else {
+                self.tracks[way.track].clone()
+            };
+            track.merit = way.merit;
+            let mut step = Step::new(number, Arc::clone(&extraction), NotPlaced::NoMatch);
+            step.tell(&answers[way.track], way.placement.as_ref());
+            self.go_on(&mut track, &mut step, way, &seen, odometry, enter);
+            tracks.push(track);
+            steps.push(step);
         }
-        self.hold(&mut step);
+        self.tracks = tracks;
+        if let [only] = self.tracks.as_mut_slice() {
+            only.merit = 0.0;
+            self.scans_undecided = 0;
+        } else {
+            self.scans_undecided += 1;
+        }
+        let mut step = steps.swap_remove(0);
+        step.tracks = self.tracks.len();
         step
+    }
+
+    fn go_on(
+        &self,
+        track: &mut Track,
+        step: &mut Step,
+        way: &Onward,
+        seen: &Seen,
+        odometry: Option<Pose>,
+        enter: &mut dyn FnMut(Stage),
+    ) {
+        if way.placement.is_none() && !track.is_empty() {
+            track.miss(NotPlaced::NoMatch);
+            return;
+        }
+        track.advance(way.placement.as_ref(), odometry);
+        enter(Stage::Merge);
+        if track.wants(step) {
+            track.merge(step, seen, &self.settings);
+            enter(Stage::Loops);
+            track.close_loops(step, &self.settings);
+        }
+        step.outcome = track.hold();
     }
 
     fn extract(&mut self, scan: &Scan) -> Extraction {
@@ -131,129 +177,17 @@ impl Mapper {
         )
     }
 
-    fn place(
-        &self,
-        extraction: &Extraction,
-        points: &[SidePoint],
-        odometry: Option<Pose>,
-    ) -> Result<Answer, NotPlaced> {
-        if points.len() < LEAST_POINTS {
-            return Err(NotPlaced::TooFewReturns);
-        }
-        let Some(mut motion) = self.motion else {
-            return Ok(Answer::default());
-        };
-        if let (Some(before), Some(now)) = (self.odometry, odometry) {
-            motion.driven = Some(before.inverse() * now);
-        }
-        let question = Question {
-            points,
-            polylines: &extraction.polylines,
-            map: self.atlas.local(),
-            merged_into: self.atlas.merged_into(),
-            motion: &motion,
-        };
-        let answer = place(question, &self.settings.align, &self.settings.place);
-        if answer.placement.is_some() {
-            Ok(answer)
-        } else {
-            Err(NotPlaced::NoMatch)
-        }
-    }
-
-    /// Takes note of a scan that has no place.
-    fn miss(&mut self, step: &Step) {
-        let reason = match step.outcome {
-            Outcome::NotPlaced { reason } => reason,
-            Outcome::Placed { .. } => NotPlaced::NoMatch,
-        };
-        self.scans.push(Held::Nowhere(reason));
-        if let Some(motion) = &mut self.motion {
-            motion.lost_scans += 1;
-        }
-    }
-
-    /// The motion goes on from a new pose.
-    fn advance(&mut self, pose: Pose, odometry: Option<Pose>) {
-        self.motion = Some(
-            self.motion
-                .map_or_else(|| Motion::starting_at(pose), |m| m.advanced(pose)),
-        );
-        self.odometry = odometry;
-    }
-
-    /// Moves along with the newest keyframe when a closed loop has moved it.
-    fn follow(&mut self, map_moved: Pose) {
-        if let Some(motion) = &mut self.motion {
-            motion.map_from_scan = map_moved * motion.map_from_scan;
-        }
-    }
-
-    fn hold(&mut self, step: &mut Step) {
-        let pose = self.motion.map_or(Pose::IDENTITY, |m| m.map_from_scan);
-        step.outcome = Outcome::Placed { map_from_scan: pose };
-        let (keyframe, map_from_keyframe) = self.atlas.newest();
-        self.scans.push(Held::By {
-            keyframe,
-            keyframe_from_scan: map_from_keyframe.inverse() * pose,
-        });
-    }
-
     /// What became of every scan so far, in the map frame as it is now.
     #[must_use]
     pub fn outcomes(&self) -> Vec<Outcome> {
-        self.scans
-            .iter()
-            .map(|held| match *held {
-                Held::By {
-                    keyframe,
-                    keyframe_from_scan,
-                } => Outcome::Placed {
-                    map_from_scan: self.atlas.pose(keyframe) * keyframe_from_scan,
-                },
-                Held::Nowhere(reason) => Outcome::NotPlaced { reason },
-            })
-            .collect()
+        self.tracks.first().map_or_else(Vec::new, Track::outcomes)
     }
 
     /// The map of all scans so far: a function of the keyframes and their poses.
     #[must_use]
     pub fn map(&self) -> Map {
-        self.atlas.map(&self.settings)
-    }
-}
-
-impl Step {
-    fn new(scan: usize, extraction: Extraction, answer: &Result<Answer, NotPlaced>) -> Self {
-        let placement = answer.as_ref().ok().and_then(|a| a.placement);
-        let outcome = match answer {
-            Ok(answer) => Outcome::Placed {
-                // The first scan makes the frame of the map.
-                map_from_scan: answer
-                    .placement
-                    .map_or(Pose::IDENTITY, |p| p.alignment.map_from_scan),
-            },
-            Err(reason) => Outcome::NotPlaced { reason: *reason },
-        };
-        Self {
-            scan,
-            outcome,
-            extraction,
-            virtual_scan: answer.as_ref().ok().and_then(|a| a.virtual_scan.clone()),
-            matching: answer.as_ref().ok().and_then(|a| a.matching.clone()),
-            lead: placement.and_then(|p| p.lead),
-            alignment: placement.map(|p| p.alignment),
-            agreement: placement.map(|p| p.agreement),
-            merged: None,
-            moving: Vec::new(),
-            recognised: None,
-        }
-    }
-
-    fn placed(&self) -> Option<Pose> {
-        match self.outcome {
-            Outcome::Placed { map_from_scan } => Some(map_from_scan),
-            Outcome::NotPlaced { .. } => None,
-        }
+        self.tracks
+            .first()
+            .map_or_else(Map::default, |track| track.map(&self.settings))
     }
 }

@@ -1,9 +1,12 @@
+use std::sync::Arc;
+
 use crate::align::Alignment;
 use crate::extract::Extraction;
 use crate::geometry::{Polyline, Pose};
 use crate::matching::Matching;
 use crate::merge::MergeReport;
 use crate::place::judge::Agreement;
+use crate::place::{Answer, Placement};
 
 /// Why a scan has no place in the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -61,6 +64,17 @@ impl Stage {
     }
 }
 
+/// A pose that a scan might have.
+#[derive(Clone, Copy, Debug)]
+pub struct Hypothesis {
+    /// The laser in the map frame.
+    pub map_from_scan: Pose,
+    /// How the whole scan agrees with the map from there.
+    pub agreement: Agreement,
+    /// The agreement's score less what the motion so far makes unlikely: hypotheses are ranked by it.
+    pub merit: f64,
+}
+
 /// Everything that happened to one scan.
 #[derive(Clone, Debug)]
 pub struct Step {
@@ -69,11 +83,15 @@ pub struct Step {
     /// What became of it.
     pub outcome: Outcome,
     /// Its polylines, laser frame.
-    pub extraction: Extraction,
+    pub extraction: Arc<Extraction>,
     /// The virtual scan, frame of the last placed scan, when the predicted pose did not settle the place.
     pub virtual_scan: Option<Vec<Polyline>>,
     /// The matching by shape of the polylines with the virtual scan.
     pub matching: Option<Matching>,
+    /// Every pose that was looked at, best first.
+    pub hypotheses: Vec<Hypothesis>,
+    /// Accounts of the motion that are carried on after this scan; 1 when it is clear where the scanner is.
+    pub tracks: usize,
     /// By how much the pose leads the best other one, when others were found.
     pub lead: Option<f64>,
     /// Its alignment to the map; `None` for the first scan and for those that could not be aligned.
@@ -86,4 +104,43 @@ pub struct Step {
     pub moving: Vec<usize>,
     /// Number of the old scan at whose place this one was recognised to be.
     pub recognised: Option<usize>,
+}
+
+impl Step {
+    /// A scan that has no place so far.
+    pub(super) fn new(scan: usize, extraction: Arc<Extraction>, reason: NotPlaced) -> Self {
+        Self {
+            scan,
+            outcome: Outcome::NotPlaced { reason },
+            extraction,
+            virtual_scan: None,
+            matching: None,
+            hypotheses: Vec::new(),
+            tracks: 1,
+            lead: None,
+            alignment: None,
+            agreement: None,
+            merged: None,
+            moving: Vec::new(),
+            recognised: None,
+        }
+    }
+
+    /// Takes note of how the scan was placed.
+    pub(super) fn tell(&mut self, answer: &Answer, placement: Option<&Placement>) {
+        self.virtual_scan.clone_from(&answer.virtual_scan);
+        self.matching.clone_from(&answer.matching);
+        self.hypotheses = answer
+            .hypotheses
+            .iter()
+            .map(|p| Hypothesis {
+                map_from_scan: p.alignment.map_from_scan,
+                agreement: p.agreement,
+                merit: p.merit,
+            })
+            .collect();
+        self.lead = answer.placement.and_then(|p| p.lead);
+        self.alignment = placement.map(|p| p.alignment);
+        self.agreement = placement.map(|p| p.agreement);
+    }
 }

@@ -87,7 +87,7 @@ fn is_disordered(u: Point, v: Point, w: Point, noise_m: f64, settings: &EraserSe
 pub(crate) fn boxes(keyframes: &[Keyframe], settings: &EraserSettings) -> Vec<EraserBox> {
     let mut found: Vec<Found> = Vec::new();
     for (number, keyframe) in keyframes.iter().enumerate() {
-        for run in &keyframe.disordered_runs {
+        for run in keyframe.disordered_runs.iter() {
             found.push(Found {
                 area: around(run, keyframe.map_from_scan),
                 keyframes: vec![number],

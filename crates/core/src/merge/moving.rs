@@ -54,7 +54,7 @@ pub(crate) fn find_moving(
         return Vec::new();
     };
     let mut found = Vec::new();
-    for number in 0..keyframes[newest].polylines.len() {
+    for number in 0..keyframes[newest].extraction.polylines.len() {
         let Some(object) = Object::of(keyframes, (newest, number), settings) else {
             continue;
         };
@@ -99,7 +99,7 @@ struct Object {
 impl Object {
     fn of(keyframes: &[Keyframe], appearance: Appearance, settings: &MovingSettings) -> Option<Self> {
         let keyframe = &keyframes[appearance.0];
-        let ScanPolyline { polyline, .. } = &keyframe.polylines[appearance.1];
+        let ScanPolyline { polyline, .. } = &keyframe.extraction.polylines[appearance.1];
         if polyline.length_m() > settings.widest_m {
             return None;
         }
@@ -145,7 +145,7 @@ fn earlier(keyframes: &[Keyframe], object: &Object, settings: &MovingSettings) -
     let number = object.appearance.0.checked_sub(1)?;
     let then = &keyframes[number];
     let was_free = free_share(then, &object.points) >= settings.least_free;
-    (0..then.polylines.len())
+    (0..then.extraction.polylines.len())
         .filter_map(|k| Object::of(keyframes, (number, k), settings))
         .filter(|o| o.middle.distance(object.middle) <= settings.most_way_m)
         .filter(|o| {

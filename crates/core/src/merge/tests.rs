@@ -1,5 +1,7 @@
 //! Merging in small drawn worlds: what the paper's section 4 promises.
 
+use std::sync::Arc;
+
 use super::growing_map::GrowingMap;
 use super::{MergeSettings, merge, merge_all};
 use crate::extract::{ExtractSettings, extract};
@@ -24,14 +26,15 @@ fn keyframe(walls: &[Wall], map_from_scan: Pose) -> Keyframe {
         })
         .collect();
     let scan = Scan::new(geometry, ranges_m).unwrap();
-    let polylines = extract(&scan, &ExtractSettings::default()).polylines;
+    let extraction = extract(&scan, &ExtractSettings::default());
     Keyframe {
         number: 0,
-        is_moving: vec![false; polylines.len()],
-        polylines,
-        points: Vec::new(),
-        disordered_runs: Vec::new(),
-        scan,
+        is_moving: vec![false; extraction.polylines.len()],
+        extraction: Arc::new(extraction),
+        points: Arc::new([]),
+        disordered_runs: Arc::new([]),
+        scan: Arc::new(scan),
+        way_m: 0.0,
         map_from_scan,
     }
 }

@@ -18,6 +18,8 @@ mod motion;
 pub(crate) mod search;
 mod virtual_scan;
 
+use std::cell::OnceCell;
+
 use crate::align::{AlignSettings, Alignment, Guess, SidePoint, align_to_grid};
 use crate::extract::ScanPolyline;
 use crate::geometry::{Point, Polyline, SideGrid, wrap_rad};
@@ -63,6 +65,8 @@ pub struct PlaceSettings {
     pub window_m: f64,
     /// Half the range of headings searched, radians.
     pub window_rad: f64,
+    /// What a pose loses of its merit for every e-fold that the motion so far makes it less likely.
+    pub merit_per_nat: f64,
     /// Poses that the search hands on to alignment.
     pub candidates: usize,
 }
@@ -80,6 +84,7 @@ impl Default for PlaceSettings {
             clear_lead: 0.15,
             window_m: 2.5,
             window_rad: 1.75,
+            merit_per_nat: 0.03,
             candidates: 8,
         }
     }
@@ -108,6 +113,22 @@ pub(crate) struct Answer {
     pub matching: Option<Matching>,
     /// What it was matched with, frame of the last placed scan.
     pub virtual_scan: Option<Vec<Polyline>>,
+    /// Every pose that was aligned and judged, best first.
+    pub hypotheses: Vec<Placement>,
+    /// Those of them that are believed and differ, best first; `placement` is the first.
+    pub believed: Vec<Placement>,
+}
+
+impl Answer {
+    /// Nothing else needed to be looked at.
+    fn settled(placement: Placement) -> Self {
+        Self {
+            placement: Some(placement),
+            believed: vec![placement],
+            hypotheses: vec![placement],
+            ..Self::default()
+        }
+    }
 }
 
 /// Finds the scan's pose.
@@ -115,93 +136,93 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
     let Question {
         points, map, motion, ..
     } = question;
-    let stage = Stage {
+    let mut stage = Stage {
         points,
         map: &map.skeleton,
         motion,
+        peak: OnceCell::new(),
         align,
         settings,
+        found: Vec::new(),
     };
-    let predicted = stage.try_guess(&motion.predicted());
-    if let Some(p) = predicted
-        && stage.is_unsurprising(&p)
-    {
-        return Answer {
-            placement: Some(p),
-            ..Answer::default()
-        };
+    if let Some(p) = stage.aligned(&motion.predicted()) {
+        if stage.is_unsurprising(&p) {
+            return Answer::settled(p);
+        }
+        stage.take(p);
     }
-    let standing = stage.try_guess(&motion.standing());
+    stage.try_guess(&motion.standing());
     let wide = Guess {
         sigma_m: 0.2,
         sigma_rad: 0.1,
         ..motion.predicted()
     };
-    let wide = stage.try_guess(&wide);
-    let near: Vec<Placement> = [predicted, standing, wide].into_iter().flatten().collect();
-    let best = near.iter().copied().max_by(|a, b| a.merit.total_cmp(&b.merit));
-    if let Some(p) = best
+    stage.try_guess(&wide);
+    for guess in motion.as_before(6) {
+        stage.try_guess(&guess);
+    }
+    if let Some(p) = stage.best()
         && stage.is_good(&p)
-        && motion.lost_scans == 0
+        && motion.is_smooth()
     {
-        return Answer {
-            placement: Some(p),
-            ..Answer::default()
-        };
+        return Answer::settled(p);
     }
     let reference = virtual_scan(map, motion.map_from_scan, question.merged_into);
-    let (matching, by_shape) = match_by_shape(question.polylines, &reference, &stage);
-    let mut all = near;
-    all.extend(by_shape);
-    let mut placement = stage.best_of(&mut all);
-    if !placement.is_some_and(|p| stage.is_good(&p) && p.lead.is_none_or(|lead| lead > settings.clear_lead)) {
-        all.extend(stage.search());
-        placement = stage.best_of(&mut all);
+    let matching = match_by_shape(question.polylines, &reference, &mut stage);
+    let mut best = stage.best();
+    if !best.is_some_and(|p| stage.is_good(&p) && p.lead.is_none_or(|lead| lead > settings.clear_lead)) {
+        stage.search();
+        best = stage.best();
     }
+    let believed = stage.believed();
     Answer {
-        placement: placement.filter(|p| stage.is_believed(p)),
+        placement: believed.first().map(|b| Placement {
+            lead: best.and_then(|p| p.lead),
+            ..*b
+        }),
+        believed,
         matching: Some(matching),
         virtual_scan: Some(reference),
+        hypotheses: stage.found,
     }
 }
 
 /// The paper's way (section 3.3): the scan's polylines are matched by shape with the virtual scan, and every alignment
 /// that the correspondences induce is a candidate.
-fn match_by_shape(
-    polylines: &[ScanPolyline],
-    reference: &[Polyline],
-    stage: &Stage,
-) -> (Matching, Vec<Placement>) {
+fn match_by_shape(polylines: &[ScanPolyline], reference: &[Polyline], stage: &mut Stage) -> Matching {
     let map_from_last = stage.motion.map_from_scan;
     let scan: Vec<Polyline> = polylines.iter().map(|p| p.polyline.clone()).collect();
     let matching = match_polylines(&scan, reference, &stage.estimate());
-    let placements = matching
-        .hypotheses
-        .iter()
-        .filter_map(|h| {
-            let map_from_scan = map_from_last * h.reference_from_scan;
-            stage.try_guess(&Guess {
-                map_from_scan,
-                sigma_m: 0.1,
-                sigma_rad: 0.03,
-            })
-        })
-        .collect();
-    (matching, placements)
+    for h in &matching.hypotheses {
+        stage.try_guess(&Guess {
+            map_from_scan: map_from_last * h.reference_from_scan,
+            sigma_m: 0.1,
+            sigma_rad: 0.03,
+        });
+    }
+    matching
 }
+
+/// A guess nearer than this to a pose that was found leads there, metres and radians.
+const SAME_GUESS_M: f64 = 0.05;
+const SAME_GUESS_RAD: f64 = 0.02;
 
 struct Stage<'a> {
     points: &'a [SidePoint],
     map: &'a SideGrid,
     motion: &'a Motion,
+    /// [`Motion::peak`], computed once.
+    peak: OnceCell<f64>,
     align: &'a AlignSettings,
     settings: &'a PlaceSettings,
+    /// What was found so far.
+    found: Vec<Placement>,
 }
 
 impl Stage<'_> {
     /// Aligns from a guess and judges the result. The guess is its own prior: along a corridor the scan stays where
     /// it was guessed to be, instead of sliding to where the noise of the walls would have it.
-    fn try_guess(&self, guess: &Guess) -> Option<Placement> {
+    fn aligned(&self, guess: &Guess) -> Option<Placement> {
         let prior = guess.prior();
         let alignment = align_to_grid(
             self.points,
@@ -217,29 +238,39 @@ impl Stage<'_> {
             alignment.map_from_scan,
             self.settings.gate_m,
         );
-        let merit = agreement.score() - self.unlikely(&alignment);
         Some(Placement {
             alignment,
             agreement,
-            merit,
+            merit: agreement.score(),
             lead: None,
         })
+    }
+
+    /// Aligns from a guess and adds the result, unless the guess leads where another has led already.
+    fn try_guess(&mut self, guess: &Guess) {
+        let is_known = |p: &Placement| {
+            let pose = p.alignment.map_from_scan;
+            pose.distance(guess.map_from_scan) < SAME_GUESS_M
+                && wrap_rad(pose.theta_rad - guess.map_from_scan.theta_rad).abs() < SAME_GUESS_RAD
+        };
+        if !self.found.iter().any(is_known)
+            && let Some(placement) = self.aligned(guess)
+        {
+            self.take(placement);
+        }
+    }
+
+    /// Adds a pose; what the motion so far makes unlikely counts against it.
+    fn take(&mut self, placement: Placement) {
+        let merit = placement.merit - self.unlikely(&placement.alignment);
+        self.found.push(Placement { merit, ..placement });
     }
 
     /// What a pose far from the predicted one loses: a weak prior of going on as before, at most 0.15. Along a
     /// direction that the walls leave open, the motion is all there is to go by.
     fn unlikely(&self, alignment: &Alignment) -> f64 {
-        let predicted = self.motion.predicted();
-        let usual = self.motion.usual;
-        let off = alignment.map_from_scan.translation() - predicted.map_from_scan.translation();
-        let turn_rad = wrap_rad(predicted.map_from_scan.theta_rad - alignment.map_from_scan.theta_rad);
-        let scale = 1.0 + f64::from(self.motion.lost_scans);
-        let off_m = off.norm() / (3.0 * usual.shift_m * scale);
-        let off_rad = turn_rad / (3.0 * usual.turn_rad * scale);
-        let off_along = alignment
-            .unobservable
-            .map_or(0.0, |d| off.dot(d) / (predicted.sigma_m * scale));
-        (0.01 * (off_m * off_m + off_rad * off_rad + off_along * off_along)).min(0.15)
+        let peak = *self.peak.get_or_init(|| self.motion.peak());
+        -self.settings.merit_per_nat * self.motion.log_likelihood(alignment.map_from_scan, peak)
     }
 
     fn is_unsurprising(&self, p: &Placement) -> bool {
@@ -247,6 +278,7 @@ impl Stage<'_> {
         let off_m = p.alignment.map_from_scan.distance(predicted.map_from_scan);
         let off_rad = wrap_rad(p.alignment.map_from_scan.theta_rad - predicted.map_from_scan.theta_rad).abs();
         self.motion.lost_scans == 0
+            && self.motion.is_smooth()
             && p.agreement.fit() >= self.settings.good_fit
             && p.agreement.known_share() >= 0.5
             && p.alignment.matched_share() >= 0.5
@@ -280,10 +312,23 @@ impl Stage<'_> {
         if off_m < self.usual_reach_m() && off_rad < 0.2 + 3.0 * self.motion.usual.turn_rad {
             return fit >= settings.least_fit && known >= settings.least_known;
         }
-        fit >= settings.far_fit
-            && known >= settings.far_known
-            && p.alignment.matched_share() >= 0.5
-            && p.lead.is_none_or(|lead| lead >= settings.far_lead)
+        fit >= settings.far_fit && known >= settings.far_known && p.alignment.matched_share() >= 0.5
+    }
+
+    /// What is believed and differs from what is better, best first.
+    fn believed(&self) -> Vec<Placement> {
+        let mut out: Vec<Placement> = Vec::new();
+        for p in &self.found {
+            let pose = p.alignment.map_from_scan;
+            let differs = |other: &Placement| {
+                let other = other.alignment.map_from_scan;
+                other.distance(pose) > 0.25 || wrap_rad(other.theta_rad - pose.theta_rad).abs() > 0.07
+            };
+            if self.is_believed(p) && out.iter().all(differs) {
+                out.push(*p);
+            }
+        }
+        out
     }
 
     /// The motion so far, as an estimate for matching in the frame of the last pose; wide, because matching is asked
@@ -296,8 +341,9 @@ impl Stage<'_> {
         }
     }
 
-    /// Sorts the candidates, best first, and says how far the best leads.
-    fn best_of(&self, all: &mut [Placement]) -> Option<Placement> {
+    /// Sorts what was found, best first, and says how far the best leads.
+    fn best(&mut self) -> Option<Placement> {
+        let all = &mut self.found;
         all.sort_by(|a, b| b.merit.total_cmp(&a.merit));
         let winner = all.first().copied()?;
         let pose = winner.alignment.map_from_scan;
@@ -312,7 +358,7 @@ impl Stage<'_> {
     }
 
     /// Candidates from the search of all poses in a window.
-    fn search(&self) -> Vec<Placement> {
+    fn search(&mut self) {
         let predicted = self.motion.predicted().map_from_scan;
         let lost = f64::from(self.motion.lost_scans);
         let window = Window {
@@ -325,19 +371,15 @@ impl Stage<'_> {
         let reach_m = self.points.iter().map(|p| p.point.norm()).fold(0.0, f64::max) + window.half_m + 1.0;
         let sides = self.map.sides().map(|s| s.segment);
         let Some(field) = Field::new(sides, predicted.translation(), reach_m) else {
-            return Vec::new();
+            return;
         };
-        search(&field, &thinned(self.points), &window)
-            .iter()
-            .filter_map(|c| {
-                let guess = Guess {
-                    map_from_scan: c.map_from_scan,
-                    sigma_m: 0.07,
-                    sigma_rad: 0.02,
-                };
-                self.try_guess(&guess)
-            })
-            .collect()
+        for c in search(&field, &thinned(self.points), &window) {
+            self.try_guess(&Guess {
+                map_from_scan: c.map_from_scan,
+                sigma_m: 0.07,
+                sigma_rad: 0.02,
+            });
+        }
     }
 }
 

@@ -1,10 +1,30 @@
 //! How the scanner has moved, and where that lets it be next.
+//!
+//! In: the poses so far. Out: guesses for the next pose, and how likely any next pose is. A scanner moves as it has
+//! moved before: logs of every scan go on by the last step, logs thinned to keyframes by some metre at a time, a
+//! trolley never sideways. So the steps of the log itself are the motion model, a density estimated from them
+//! (Parzen windows), and nothing has to be set for a robot or a hand.
+
+use std::collections::VecDeque;
 
 use crate::align::Guess;
 use crate::geometry::{Pose, wrap_rad};
 
+/// A log with more than one step in ten longer than this is one of keyframes, metres.
+const SMOOTH_STEP_M: f64 = 0.5;
+/// Steps that are remembered.
+const MEMORY: usize = 64;
+/// Shares of the density: going on as in the last step, any step as before, anything.
+const SHARE_GOING_ON: f64 = 0.5;
+const SHARE_AS_BEFORE: f64 = 0.4;
+const SHARE_ANYTHING: f64 = 0.1;
+/// Anything: standard deviations beside five times the usual surprise, metres and radians. A log of every scan does not
+/// jump by metres, one of keyframes may.
+const ANYTHING_M: f64 = 0.3;
+const ANYTHING_RAD: f64 = 0.3;
+
 /// The scanner's last pose and how it moved to it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Motion {
     pub map_from_scan: Pose,
     /// From the last scan but one to the last, in the frame of the former.
@@ -15,6 +35,8 @@ pub(crate) struct Motion {
     pub lost_scans: u32,
     /// How far off predictions usually are.
     pub usual: Surprise,
+    /// The last steps, oldest first, each in the frame of the scan before it.
+    steps: VecDeque<Pose>,
 }
 
 /// How far poses usually lie from the predicted ones: some millimetres in a log of every scan, a metre in one of
@@ -45,40 +67,6 @@ impl Surprise {
 }
 
 impl Motion {
-    /// Where the scanner is when it keeps on moving as before, or as odometry says: wheels slip by a tenth of the way.
-    pub fn predicted(&self) -> Guess {
-        match self.driven {
-            Some(driven) => Guess {
-                map_from_scan: self.map_from_scan * driven,
-                sigma_m: 0.02 + 0.1 * driven.translation().norm(),
-                sigma_rad: 0.02 + 0.1 * driven.theta_rad.abs(),
-            },
-            None => Guess {
-                map_from_scan: self.map_from_scan * self.step,
-                ..self.standing()
-            },
-        }
-    }
-
-    /// The motion after the next scan was placed. After a gap the speed is not known.
-    pub fn advanced(&self, pose: Pose) -> Self {
-        let predicted = self.predicted().map_from_scan;
-        let is_gap = self.lost_scans > 0;
-        let usual = self.usual.after(
-            predicted.distance(pose),
-            wrap_rad(predicted.theta_rad - pose.theta_rad).abs(),
-        );
-        Self {
-            step: if is_gap {
-                Pose::IDENTITY
-            } else {
-                self.map_from_scan.inverse() * pose
-            },
-            usual: if is_gap { self.usual } else { usual },
-            ..Self::starting_at(pose)
-        }
-    }
-
     /// No motion yet.
     pub fn starting_at(map_from_scan: Pose) -> Self {
         Self {
@@ -87,17 +75,161 @@ impl Motion {
             driven: None,
             lost_scans: 0,
             usual: Surprise::default(),
+            steps: VecDeque::new(),
         }
     }
 
-    /// Where it is when it has stopped. Speeds change by some centimetres a scan, the more the faster it is.
+    /// The motion after the next scan was placed. After a gap the speed is not known.
+    pub fn advance(&mut self, pose: Pose) {
+        if self.lost_scans > 0 {
+            self.step = Pose::IDENTITY;
+        } else {
+            let predicted = self.predicted().map_from_scan;
+            let turn_rad = wrap_rad(predicted.theta_rad - pose.theta_rad).abs();
+            self.usual = self.usual.after(predicted.distance(pose), turn_rad);
+            self.step = self.map_from_scan.inverse() * pose;
+            if self.steps.len() == MEMORY {
+                self.steps.pop_front();
+            }
+            self.steps.push_back(self.step);
+        }
+        self.map_from_scan = pose;
+        self.driven = None;
+        self.lost_scans = 0;
+    }
+
+    /// Where the scanner is when it keeps on moving as before, or as odometry says: wheels slip by a tenth of the way.
+    pub fn predicted(&self) -> Guess {
+        match self.driven {
+            Some(driven) => Guess {
+                map_from_scan: self.map_from_scan * driven,
+                sigma_m: 0.02 + 0.1 * driven.translation().norm(),
+                sigma_rad: 0.02 + 0.1 * driven.theta_rad.abs(),
+            },
+            None => self.after_step(self.step),
+        }
+    }
+
+    /// Whether scans follow each other so closely that the next is sure to lie near the predicted pose.
+    pub fn is_smooth(&self) -> bool {
+        let long = self
+            .steps
+            .iter()
+            .filter(|s| s.translation().norm() > SMOOTH_STEP_M);
+        self.lost_scans == 0
+            && self.usual.shift_m < 0.15
+            && self.usual.turn_rad < 0.15
+            && 10 * long.count() <= self.steps.len()
+    }
+
+    /// Where it is when it has stopped.
     pub fn standing(&self) -> Guess {
         Guess {
             map_from_scan: self.map_from_scan,
-            sigma_m: 0.02 + 0.3 * self.step.translation().norm(),
-            sigma_rad: 0.02 + 0.3 * self.step.theta_rad.abs(),
+            ..self.after_step(self.step)
         }
     }
+
+    /// Where it is after steps that it has made before: at most `most`, as different from each other as can be.
+    pub fn as_before(&self, most: usize) -> Vec<Guess> {
+        let mut chosen: Vec<Pose> = Vec::new();
+        let mut candidates: Vec<Pose> = self.steps.iter().rev().copied().collect();
+        let mut next = self.commonest();
+        while let Some(step) = next {
+            chosen.push(step);
+            candidates.retain(|c| squares(*c, step, spread(step)) > 4.0);
+            next = (chosen.len() < most)
+                .then(|| self.likeliest(&candidates))
+                .flatten();
+        }
+        chosen.into_iter().map(|step| self.after_step(step)).collect()
+    }
+
+    fn commonest(&self) -> Option<Pose> {
+        let steps: Vec<Pose> = self.steps.iter().rev().copied().collect();
+        self.likeliest(&steps)
+    }
+
+    fn likeliest(&self, steps: &[Pose]) -> Option<Pose> {
+        let density = |step: &Pose| self.as_before_density(*step);
+        steps
+            .iter()
+            .copied()
+            .max_by(|a, b| density(a).total_cmp(&density(b)))
+    }
+
+    /// How likely a pose is to be the next, against the likeliest one: the natural logarithm of the ratio of the
+    /// densities, at most 0. `peak` is [`Self::peak`].
+    pub fn log_likelihood(&self, pose: Pose, peak: f64) -> f64 {
+        let step = self.map_from_scan.inverse() * pose;
+        let ratio = (self.density(step) / peak).min(1.0);
+        ratio.max(1e-12).ln()
+    }
+
+    /// Density of the likeliest step.
+    pub fn peak(&self) -> f64 {
+        self.steps
+            .iter()
+            .chain([&self.expected_step()])
+            .map(|s| self.density(*s))
+            .fold(0.0, f64::max)
+    }
+
+    fn expected_step(&self) -> Pose {
+        self.driven.unwrap_or(self.step)
+    }
+
+    fn density(&self, step: Pose) -> f64 {
+        let expected = self.expected_step();
+        let going_on = match self.driven {
+            Some(_) => spread(expected),
+            None => (
+                self.usual.shift_m.max(spread(expected).0),
+                self.usual.turn_rad.max(spread(expected).1),
+            ),
+        };
+        let lost = 1.0 + f64::from(self.lost_scans);
+        let anything = (
+            lost * (ANYTHING_M + 5.0 * self.usual.shift_m),
+            lost * (ANYTHING_RAD + 5.0 * self.usual.turn_rad),
+        );
+        SHARE_GOING_ON * gaussian(step, expected, going_on)
+            + SHARE_AS_BEFORE * self.as_before_density(step)
+            + SHARE_ANYTHING * gaussian(step, expected, anything)
+    }
+
+    fn as_before_density(&self, step: Pose) -> f64 {
+        let sum: f64 = self.steps.iter().map(|s| gaussian(step, *s, spread(*s))).sum();
+        sum / self.steps.len().max(1) as f64
+    }
+
+    fn after_step(&self, step: Pose) -> Guess {
+        Guess {
+            map_from_scan: self.map_from_scan * step,
+            sigma_m: 0.02 + 0.3 * step.translation().norm(),
+            sigma_rad: 0.02 + 0.3 * step.theta_rad.abs(),
+        }
+    }
+}
+
+/// Standard deviations of a step that is made again, metres and radians: the longer, the less exactly.
+fn spread(step: Pose) -> (f64, f64) {
+    (
+        0.02 + 0.1 * step.translation().norm(),
+        0.03 + 0.1 * step.theta_rad.abs(),
+    )
+}
+
+/// Squared distance of two steps in standard deviations.
+fn squares(a: Pose, b: Pose, (sigma_m, sigma_rad): (f64, f64)) -> f64 {
+    let shift = a.distance(b) / sigma_m;
+    let turn = wrap_rad(a.theta_rad - b.theta_rad) / sigma_rad;
+    shift * shift + turn * turn
+}
+
+/// Density over (x, y, θ), without the constant (2π)^(3/2).
+fn gaussian(step: Pose, mean: Pose, spread: (f64, f64)) -> f64 {
+    (-0.5 * squares(step, mean, spread)).exp() / (spread.0 * spread.0 * spread.1)
 }
 
 #[cfg(test)]
@@ -109,7 +241,7 @@ mod tests {
         let step = Pose::new(0.1, 0.0, 0.01);
         let mut motion = Motion::starting_at(Pose::IDENTITY);
         for _ in 0..60 {
-            motion = motion.advanced(motion.map_from_scan * step);
+            motion.advance(motion.map_from_scan * step);
         }
         let next = motion.map_from_scan * step;
         assert!(motion.predicted().map_from_scan.distance(next) < 1e-9);
@@ -134,11 +266,11 @@ mod tests {
 
     #[test]
     fn after_a_gap_the_speed_is_not_known() {
-        let lost = Motion {
+        let mut found = Motion {
             lost_scans: 3,
             ..Motion::starting_at(Pose::IDENTITY)
         };
-        let found = lost.advanced(Pose::new(4.0, 0.0, 0.0));
+        found.advance(Pose::new(4.0, 0.0, 0.0));
         assert!(
             found.step.translation().norm() < 1e-12,
             "four metres in four scans is no speed"
