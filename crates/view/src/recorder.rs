@@ -70,6 +70,8 @@ pub struct Recorder<S> {
     /// Merged scans now, and when the map was last told.
     merged: usize,
     merged_then: usize,
+    /// The scan before left open where the scanner is.
+    was_open: bool,
     since: Instant,
     took: Duration,
 }
@@ -97,6 +99,7 @@ impl<S: Sink> Recorder<S> {
             scans: 0,
             merged: 0,
             merged_then: 0,
+            was_open: false,
             since: Instant::now(),
             took: Duration::ZERO,
         })
@@ -112,7 +115,11 @@ impl<S: Sink> Recorder<S> {
         self.shown.push(frame.pose);
         self.scans += 1;
         self.merged += usize::from(frame.merged);
-        let may_have_moved = frame.recognised.is_some();
+        // A closed loop moves poses; where several accounts of the motion were carried on, or the scanner was lost, a
+        // later scan may decide where the ones before were.
+        let is_open = step.tracks > 1 || frame.pose.is_none();
+        let may_have_moved = frame.recognised.is_some() || is_open || self.was_open;
+        self.was_open = is_open;
         self.tell(Line::Detail(Box::new(detail(step, scanned.scan, last))))?;
         self.tell(Line::Frame(frame))?;
         if let Some(walls) = walls(step) {

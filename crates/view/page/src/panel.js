@@ -105,18 +105,18 @@ export class Panel {
         element("td", {}, String(k + 1)),
         element("td", { class: "bar-cell" }, element("span", { class: "bar" }, bar)),
         element("td", {}, h.score.toFixed(2)),
-        element("td", {}, percent(h.explained)),
-        element("td", {}, percent(h.contradicted)),
+        element("td", {}, percent(h.fit)),
+        element("td", {}, percent(h.through)),
       );
       for (const kind of ["pointerenter", "focus"]) row.addEventListener(kind, () => this.point(k));
       for (const kind of ["pointerleave", "blur"]) row.addEventListener(kind, () => this.point(undefined));
       return row;
     });
-    const head = ["", "Score", "", "on walls", "through"].map((text) => element("th", { scope: "col" }, text));
+    const head = ["", "Score", "", "agree", "through"].map((text) => element("th", { scope: "col" }, text));
     return element(
       "table",
       { class: "hypotheses", id: "hypotheses" },
-      element("caption", {}, `${hypotheses.length} poses by shape; point at one to see it`),
+      element("caption", {}, `${hypotheses.length} poses, best first; point at one to see it`),
       element("thead", {}, element("tr", {}, ...head)),
       element("tbody", {}, ...rows),
     );
@@ -179,8 +179,8 @@ function why(frame, detail) {
   else if (!frame.searched) {
     parts.push(`The motion so far led to a pose at which ${percent(frame.fit)} of the beams that the map knows end on a wall; no search was needed.`);
   } else {
-    const lead = frame.lead === undefined ? "no other pose comes near" : `it leads the next by ${frame.lead.toFixed(2)}`;
-    parts.push(`The motion so far did not settle the place. ${poses > 0 ? `${poses} poses came from matching by shape; ` : ""}${lead}.`);
+    const lead = frame.lead === undefined ? "no other pose comes near" : `the best leads by ${frame.lead.toFixed(2)}`;
+    parts.push(`The motion so far did not settle the place. ${poses > 0 ? `Of the poses that matching by shape and search gave, ${poses} are listed; ` : ""}${lead}.`);
   }
   if (frame.open_rad !== undefined) parts.push("The walls leave a direction open; there the motion decided.");
   if (frame.recognised !== undefined) parts.push(`The place of scan ${count(frame.recognised)} was recognised.`);

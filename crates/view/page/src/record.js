@@ -62,8 +62,8 @@
  * @typedef {object} Hypothesis
  * @property {Pose} pose
  * @property {number} score
- * @property {number} explained
- * @property {number} contradicted
+ * @property {number} fit
+ * @property {number} through
  *
  * @typedef {object} Pair
  * @property {number[]} scan

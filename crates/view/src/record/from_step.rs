@@ -2,8 +2,9 @@
 
 use polymapper_core::align::Alignment;
 use polymapper_core::extract::ScanPolyline;
-use polymapper_core::mapper::{NotPlaced, Outcome, Step};
-use polymapper_core::matching::Matching;
+use polymapper_core::geometry::Pose;
+use polymapper_core::mapper::{Hypothesis, NotPlaced, Outcome, Step};
+use polymapper_core::matching::Correspondence;
 use polymapper_core::scan::Scan;
 
 use super::points::millimetres;
@@ -11,6 +12,8 @@ use super::{Chain, Detail, Frame, HypothesisRecord, PairRecord, Search, Walls, c
 
 /// Standard deviations beyond this say no more than "open", metres.
 const WIDEST_M: f64 = 9.0;
+/// Poses that are kept of a search; those behind them had no chance.
+const MOST_HYPOTHESES: usize = 12;
 
 /// The light part. `scan_index` is the place in the log.
 pub fn frame(step: &Step, scan_index: usize, stamp_s: Option<f64>) -> Frame {
@@ -65,8 +68,8 @@ pub fn walls(step: &Step) -> Option<Walls> {
     })
 }
 
-/// The heavy part. `last` is the number of the scan placed before.
-pub fn detail(step: &Step, scan: &Scan, last: Option<usize>) -> Detail {
+/// The heavy part. `last` is the number and pose of the scan placed before.
+pub fn detail(step: &Step, scan: &Scan, last: Option<(usize, Pose)>) -> Detail {
     let geometry = scan.geometry();
     Detail {
         n: step.scan,
@@ -82,37 +85,37 @@ pub fn detail(step: &Step, scan: &Scan, last: Option<usize>) -> Detail {
 }
 
 /// How the place was searched; `None` when it was not.
-fn search(step: &Step, last: Option<usize>) -> Option<Search> {
+fn search(step: &Step, last: Option<(usize, Pose)>) -> Option<Search> {
     let matching = step.matching.as_ref()?;
+    let (last, map_from_last) = last?;
+    let pair = |c: &Correspondence| PairRecord {
+        scan: c.scan.clone(),
+        reference: c.reference.clone(),
+        cost_rad2: rounded(c.shape_cost_rad2, 1e4),
+    };
     Some(Search {
-        last: last?,
+        last,
         virtual_scan: step
             .virtual_scan
             .iter()
             .flatten()
             .map(|p| chain(p.vertices().iter().copied()))
             .collect(),
-        hypotheses: hypotheses(matching),
-        pairs: matching
-            .correspondences
-            .iter()
-            .map(|c| PairRecord {
-                scan: c.scan.clone(),
-                reference: c.reference.clone(),
-                cost_rad2: rounded(c.shape_cost_rad2, 1e4),
-            })
-            .collect(),
+        hypotheses: hypotheses(step, map_from_last),
+        pairs: matching.correspondences.iter().map(pair).collect(),
     })
 }
 
-fn hypotheses(matching: &Matching) -> Vec<HypothesisRecord> {
-    let record = |h: &polymapper_core::matching::Hypothesis| HypothesisRecord {
-        pose: pose_record(h.reference_from_scan),
-        score: rounded(h.score, 1e3),
-        explained: rounded(h.explained_ratio, 1e3),
-        contradicted: rounded(h.contradicted_ratio, 1e3),
+/// The best of the poses that were looked at.
+fn hypotheses(step: &Step, map_from_last: Pose) -> Vec<HypothesisRecord> {
+    let last_from_map = map_from_last.inverse();
+    let record = |h: &Hypothesis| HypothesisRecord {
+        pose: pose_record(last_from_map * h.map_from_scan),
+        score: rounded(h.merit, 1e3),
+        fit: rounded(h.agreement.fit(), 1e3),
+        through: rounded(h.agreement.through as f64 / h.agreement.beams.max(1) as f64, 1e3),
     };
-    matching.hypotheses.iter().map(record).collect()
+    step.hypotheses.iter().take(MOST_HYPOTHESES).map(record).collect()
 }
 
 fn chains(polylines: &[ScanPolyline]) -> Vec<Chain> {

@@ -189,10 +189,10 @@ pub struct HypothesisRecord {
     pub pose: PoseRecord,
     /// What hypotheses are ranked by; only differences mean something.
     pub score: f64,
-    /// Share of the scan's wall that lies on the reference.
-    pub explained: f64,
-    /// Share of the walls of both that the other looked through.
-    pub contradicted: f64,
+    /// Of the beams that the map says something of, the share that ends on it.
+    pub fit: f64,
+    /// Share of the beams that went through walls of the map.
+    pub through: f64,
 }
 
 /// Polylines that belong together.

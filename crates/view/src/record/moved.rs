@@ -49,10 +49,11 @@ impl ShownPoses {
             .push(pose.map(|[x, y, theta_rad]| Pose::new(x, y, theta_rad)));
     }
 
-    /// Number of the last scan that has a place.
+    /// Number and pose of the last scan that has a place.
     #[must_use]
-    pub fn last_placed(&self) -> Option<usize> {
-        self.0.iter().rposition(Option::is_some)
+    pub fn last_placed(&self) -> Option<(usize, Pose)> {
+        let n = self.0.iter().rposition(Option::is_some)?;
+        Some((n, self.0[n]?))
     }
 
     /// What has to be told so that `outcomes` are known; `None` if they are.
@@ -155,6 +156,6 @@ mod tests {
             .unwrap();
         assert_eq!(moved.found, [(0, [3.0, 0.0, 0.5])]);
         assert_eq!(moved.lost, [1]);
-        assert_eq!(shown.last_placed(), Some(0));
+        assert_eq!(shown.last_placed().map(|(n, _)| n), Some(0));
     }
 }
