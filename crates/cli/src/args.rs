@@ -7,8 +7,13 @@ use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand};
-use polymapper_io::log::ReadOptions;
+use polymapper_io::log::{Layout, ReadOptions};
+use polymapper_io::out::formats::ExportFormat;
 use polymapper_sim::{PlanKind, ScannerKind};
+
+use crate::commands::export::ExportArgs;
+use crate::commands::import::ImportArgs;
+use crate::exports::{ExportChoice, format_parser};
 
 /// A polygonal map from 2D laser scans, without odometry.
 #[derive(Parser)]
@@ -25,6 +30,29 @@ pub struct Args {
 pub enum Command {
     /// Build a map from a laser log
     Build(BuildArgs),
+    /// Say what is in a log before a map is built of it
+    ///
+    /// Topics, scans, geometry, rates, what stands for no return, gaps, stamps that run backwards,
+    /// and what will be left out and why; on standard output.
+    Inspect(InspectArgs),
+    /// Write the scans of a log in another format
+    ///
+    /// The ending of OUT says which: .log, .clf or .carmen for CARMEN (ROBOTLASER1), .mcap for
+    /// MCAP (sensor_msgs/LaserScan, nav_msgs/Odometry); a further .gz packs a CARMEN log. Poses
+    /// of odometry are kept. Ranges, bearings and stamps keep every bit in CARMEN; MCAP holds
+    /// single precision, as LaserScan does.
+    Convert(ConvertArgs),
+    /// Write a finished map in the formats of other programs
+    ///
+    /// The files are named after the map, with an ending for each format. A format that cannot
+    /// do without the trajectory, the scans or a place on Earth says so.
+    Export(ExportArgs),
+    /// Read back a map that was exported and edited by hand
+    ///
+    /// SVG, DXF, JSON-FG and GeoJSON are known by their content. Lines that still carry their id
+    /// keep it, new ones get the next free one. What is no line is left out and counted, and the
+    /// exit code is 3.
+    Import(ImportArgs),
     /// Write the polylines of every scan, one JSON object a line
     Extract(ExtractArgs),
     /// Draw the figures of the paper from a log
@@ -81,7 +109,7 @@ pub enum Command {
     ///   tcp:[HOST:]PORT    the same from whoever connects to this port, one after the other
     ///
     /// A JSON line is {"ranges_m": [1.23, null, ..], "first_bearing_rad": -1.5708, "step_rad":
-    /// 0.0175, "stamp_s": 12.5}; all but the ranges may be left out.
+    /// 0.0175, "stamp_s": 12.5}. Without the two angles the ranges look half a turn ahead.
     #[command(verbatim_doc_comment)]
     View(ViewArgs),
     /// Write the scans of a log as JSON lines, at the pace at which they were recorded
@@ -90,24 +118,61 @@ pub enum Command {
     Demo(DemoArgs),
 }
 
+/// How a log is read.
+#[derive(clap::Args)]
+pub struct ReadingChoice {
+    /// Topic or kind of message to read, such as /scan or RLASER, where the log has several lasers [default: the best]
+    #[arg(long, visible_alias = "topic", value_name = "NAME")]
+    pub laser: Option<String>,
+    /// What the columns of a text file are, such as "stamp_ms range_mm*360 first_deg=0 step_deg=-1" (see docs/logs.md)
+    #[arg(long, value_name = "WORDS")]
+    pub layout: Option<Layout>,
+    /// Read on behind a place where the recording does not hang together
+    #[arg(long)]
+    pub salvage: bool,
+}
+
+impl ReadingChoice {
+    pub fn read_options(&self) -> ReadOptions {
+        ReadOptions {
+            laser: self.laser.clone(),
+            layout: self.layout.clone(),
+            salvage: self.salvage,
+            ..ReadOptions::default()
+        }
+    }
+}
+
+/// Which log, and how it is read.
+#[derive(clap::Args)]
+pub struct LogChoice {
+    /// Laser log, plain or packed, or a folder with its parts; `-` is standard input
+    pub log: PathBuf,
+    #[command(flatten)]
+    pub reading: ReadingChoice,
+}
+
+impl LogChoice {
+    pub fn read_options(&self) -> ReadOptions {
+        self.reading.read_options()
+    }
+}
+
 /// Which log, and what of it.
 #[derive(clap::Args)]
 pub struct LogArgs {
-    /// Laser log, plain or gzip; `-` is standard input
-    pub log: PathBuf,
+    #[command(flatten)]
+    pub choice: LogChoice,
     /// Use the poses in the log (they are not read unless told)
     #[arg(long)]
     pub use_odometry: bool,
-    /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
-    #[arg(long, value_name = "KIND")]
-    pub laser: Option<String>,
 }
 
 impl LogArgs {
     pub fn read_options(&self) -> ReadOptions {
         ReadOptions {
             use_odometry: self.use_odometry,
-            laser: self.laser.clone(),
+            ..self.choice.read_options()
         }
     }
 }
@@ -122,19 +187,41 @@ pub struct BuildArgs {
     /// Leave out replay.jsonl.gz and report.html
     #[arg(long)]
     pub no_replay: bool,
+    /// Formats to write as well, as `export --to` does; those that want scans have them
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',', value_parser = format_parser())]
+    pub export: Vec<&'static ExportFormat>,
+    #[command(flatten)]
+    pub choice: ExportChoice,
+}
+
+#[derive(clap::Args)]
+pub struct InspectArgs {
+    #[command(flatten)]
+    pub log: LogChoice,
+    /// Write JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(clap::Args)]
+pub struct ConvertArgs {
+    #[command(flatten)]
+    pub log: LogChoice,
+    /// File to write
+    #[arg(value_name = "OUT")]
+    pub output: PathBuf,
 }
 
 #[derive(clap::Args)]
 pub struct ViewArgs {
-    /// Laser log, plain or packed; folder of a build; `-`; or tcp:[HOST:]PORT
+    /// Laser log, plain or packed, or a folder with its parts; folder of a build; `-`; or tcp:[HOST:]PORT
     #[arg(value_name = "SOURCE")]
     pub source: PathBuf,
+    #[command(flatten)]
+    pub reading: ReadingChoice,
     /// Use the poses in the log (they are not read unless told)
     #[arg(long)]
     pub use_odometry: bool,
-    /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
-    #[arg(long, value_name = "KIND")]
-    pub laser: Option<String>,
     /// Port of the page; 0 takes any that is free
     #[arg(long, value_name = "PORT", default_value_t = 7878)]
     pub port: u16,
@@ -148,20 +235,14 @@ pub struct ViewArgs {
 
 #[derive(clap::Args)]
 pub struct PlayArgs {
-    /// Laser log, plain or packed
-    pub log: PathBuf,
+    #[command(flatten)]
+    pub log: LogArgs,
     /// Times the pace at which the log was recorded; 0 is as fast as possible
     #[arg(long, value_name = "TIMES", default_value_t = 1.0)]
     pub rate: f64,
     /// Scans a second, whatever the stamps say
     #[arg(long, value_name = "N", conflicts_with = "rate")]
     pub hz: Option<f64>,
-    /// Write the poses in the log too
-    #[arg(long)]
-    pub use_odometry: bool,
-    /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
-    #[arg(long, value_name = "KIND")]
-    pub laser: Option<String>,
     /// Where the lines go: `-` is standard output, tcp:HOST:PORT a connection
     #[arg(short, long, value_name = "PLACE", default_value = "-")]
     pub output: String,
@@ -169,11 +250,8 @@ pub struct PlayArgs {
 
 #[derive(clap::Args)]
 pub struct ExtractArgs {
-    /// Laser log, plain or gzip; `-` is standard input
-    pub log: PathBuf,
-    /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
-    #[arg(long, value_name = "KIND")]
-    pub laser: Option<String>,
+    #[command(flatten)]
+    pub log: LogChoice,
     /// File for the polylines; `-` is standard output
     #[arg(short, long, value_name = "FILE", default_value = "-")]
     pub output: PathBuf,
@@ -184,14 +262,11 @@ pub struct ExtractArgs {
 
 #[derive(clap::Args)]
 pub struct FiguresArgs {
-    /// Laser log, plain or gzip; `-` is standard input
-    pub log: PathBuf,
+    #[command(flatten)]
+    pub log: LogChoice,
     /// Folder for the figures; made if it is not there
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Kind of message to read, such as RLASER, where the log has several lasers [default: the front laser]
-    #[arg(long, value_name = "KIND")]
-    pub laser: Option<String>,
     /// Scan of fig2, counted from 0 [default: one with many vertices close by]
     #[arg(long, value_name = "K")]
     pub scan: Option<usize>,
@@ -208,8 +283,8 @@ pub struct MatchArgs {
     /// Second scan: LOG:SCAN, or a log of one scan
     #[arg(value_name = "B")]
     pub second: ScanPlace,
-    /// Kind of message to read, such as RLASER, where a log has several lasers [default: the front laser]
-    #[arg(long, value_name = "KIND")]
+    /// Topic or kind of message to read, such as /scan or RLASER, where a log has several lasers [default: the best]
+    #[arg(long, visible_alias = "topic", value_name = "NAME")]
     pub laser: Option<String>,
     /// Picture of the two scans and their correspondences
     #[arg(long, value_name = "FILE")]

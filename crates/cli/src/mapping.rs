@@ -108,7 +108,7 @@ fn outcome(outcome: &mapper::Outcome) -> Outcome {
 
 fn words(reason: NotPlaced) -> &'static str {
     match reason {
-        NotPlaced::TooFewReturns => "too few returns on polylines",
-        NotPlaced::NoMatch => "no pose agrees with the map",
+        NotPlaced::TooFewReturns => "too_few_returns",
+        NotPlaced::SeparateSubmap => "separate_submap",
     }
 }

@@ -21,7 +21,7 @@ pub struct Reading {
 impl Reading {
     /// Whether something of the log was not used.
     pub fn has_loss(&self) -> bool {
-        self.partial.is_some() || self.tally.bad_scans > 0
+        self.partial.is_some() || self.tally.lost.is_some() || self.tally.bad_scans > 0
     }
 }
 
@@ -35,11 +35,10 @@ pub fn for_each(
     mut each: impl FnMut(Entry) -> anyhow::Result<()>,
 ) -> anyhow::Result<Reading> {
     let progress = Progress::new(log.progress());
-    let name = log.name().to_owned();
     let (mut done, mut told) = (0, 0);
     let mut first_bad = None;
     let mut partial = None;
-    for entry in log.by_ref() {
+    while let Some(entry) = log.next() {
         let entry = match entry {
             Ok(entry) => entry,
             Err(broken @ LogError::Broken { .. }) if done > 0 => {
@@ -52,10 +51,10 @@ pub fn for_each(
         };
         if let Entry::Bad(bad) = &entry {
             if told < MOST_TOLD {
-                progress.say(format_args!("warning: {}", located(&name, bad)));
+                progress.say(format_args!("warning: {}", located(log.place(), bad)));
             }
             told += 1;
-            first_bad.get_or_insert_with(|| bad.clone());
+            first_bad.get_or_insert_with(|| located(log.place(), bad));
         }
         done += 1;
         each(entry)?;
@@ -68,29 +67,32 @@ pub fn for_each(
     progress.finish();
     if told > MOST_TOLD {
         progress.say(format_args!(
-            "warning: {name}: {} more lines could not be used",
+            "warning: {}: {} more scans could not be used",
+            log.name(),
             told - MOST_TOLD
         ));
     }
     let tally = log.tally();
+    if let Some(lost) = &tally.lost {
+        progress.say(format_args!("warning: {}: {lost}", log.name()));
+    }
     for note in &tally.notes {
         progress.say(format_args!("note: {note}"));
     }
     if let (0, Some(bad)) = (tally.scans, first_bad) {
         bail!(
-            "{name}: none of its {} scans can be used; the first: line {}: {}",
+            "{}: none of its {} scans can be used; the first: {bad}",
+            log.name(),
             tally.bad_scans,
-            bad.line,
-            bad.fault
         );
     }
     Ok(Reading { tally, partial })
 }
 
-fn located(name: &str, bad: &BadScan) -> String {
+fn located(place: &str, bad: &BadScan) -> String {
     format!(
-        "{name}, line {}: {} (scan {} left out)",
-        bad.line, bad.fault, bad.index
+        "{place}, {} {}: {} (scan {} left out)",
+        bad.unit, bad.line, bad.fault, bad.index
     )
 }
 

@@ -1,24 +1,21 @@
 //! Where the bytes of a log come from: a file or standard input, compressed or plain.
 //!
 //! In goes a name, out comes a buffered stream of decompressed bytes whose first part can be looked at
-//! without being used up. Whether it is gzip is told by the content, never by the name.
+//! without being used up.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use flate2::bufread::MultiGzDecoder;
-
+use crate::compression::{Compression, unpacked};
 use crate::log::LogError;
 
 /// How much of the decompressed content is looked at to recognise a format.
 const HEAD_BYTES: u64 = 256 * 1024;
 /// Small enough that the bytes taken from a compressed file tell how far the reading has come.
 const SOURCE_BUFFER_BYTES: usize = 16 * 1024;
-const TEXT_BUFFER_BYTES: usize = 128 * 1024;
-const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
 /// How far the reading of a file has come; clones watch the same file.
 #[derive(Clone, Debug, Default)]
@@ -50,6 +47,10 @@ pub(crate) struct Input {
     /// What follows the head. A fault met while the head was read comes first.
     rest: Box<dyn BufRead>,
     pub progress: ReadProgress,
+    /// How the source is packed.
+    pub compression: Option<&'static Compression>,
+    /// Where the file is, if it can be opened again.
+    path: Option<PathBuf>,
 }
 
 impl Input {
@@ -64,7 +65,9 @@ impl Input {
             path.display().to_string()
         };
         let (source, total_bytes) = open_source(path, &name)?;
-        Self::from_reader(name, source, total_bytes)
+        let mut input = Self::from_reader(name, source, total_bytes)?;
+        input.path = total_bytes.is_some().then(|| path.to_owned());
+        Ok(input)
     }
 
     /// Takes any stream of `total_bytes`, if that is known, under a name for messages.
@@ -84,17 +87,19 @@ impl Input {
             inner: source,
             read_bytes: Arc::clone(&progress.read_bytes),
         };
-        let stream = decompressed(counted).map_err(|source| LogError::Unreadable {
+        let source = Box::new(BufReader::with_capacity(SOURCE_BUFFER_BYTES, counted));
+        let (stream, compression) = unpacked(source).map_err(|source| LogError::Unreadable {
             name: name.clone(),
             source,
         })?;
-        Self::with_head(name, stream, progress)
+        Self::with_head(name, stream, progress, compression)
     }
 
     fn with_head(
         name: String,
         mut stream: Box<dyn BufRead>,
         progress: ReadProgress,
+        compression: Option<&'static Compression>,
     ) -> Result<Self, LogError> {
         let mut head = Vec::new();
         let outcome = (&mut stream).take(HEAD_BYTES).read_to_end(&mut head);
@@ -111,6 +116,8 @@ impl Input {
             head,
             rest,
             progress,
+            compression,
+            path: None,
         })
     }
 
@@ -121,12 +128,19 @@ impl Input {
             head,
             rest,
             progress: ReadProgress::default(),
+            compression: None,
+            path: None,
         }
     }
 
+    /// The file itself, where it is one and not packed.
+    pub fn plain_file(&self) -> Option<&Path> {
+        self.path.as_deref().filter(|_| self.compression.is_none())
+    }
+
     /// The whole stream from its first byte.
-    pub fn into_stream(self) -> impl BufRead {
-        Cursor::new(self.head).chain(self.rest)
+    pub fn into_stream(self) -> Box<dyn BufRead> {
+        Box::new(Cursor::new(self.head).chain(self.rest))
     }
 }
 
@@ -151,20 +165,6 @@ fn open_source(path: &Path, name: &str) -> Result<(Box<dyn Read>, Option<u64>), 
         });
     }
     Ok((Box::new(file), metadata.is_file().then_some(metadata.len())))
-}
-
-/// Undoes gzip (several members one after another too) where the content is gzip.
-fn decompressed(source: impl Read + 'static) -> io::Result<Box<dyn BufRead>> {
-    let mut source = BufReader::with_capacity(SOURCE_BUFFER_BYTES, source);
-    let is_gzip = source.fill_buf()?.starts_with(&GZIP_MAGIC);
-    Ok(if is_gzip {
-        Box::new(BufReader::with_capacity(
-            TEXT_BUFFER_BYTES,
-            MultiGzDecoder::new(source),
-        ))
-    } else {
-        Box::new(source)
-    })
 }
 
 /// Counts the bytes that pass.

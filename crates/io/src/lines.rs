@@ -25,13 +25,19 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    pub fn new(stream: impl BufRead + 'static) -> Self {
+    pub fn new(stream: Box<dyn BufRead>) -> Self {
         Self {
-            stream: Box::new(stream),
+            stream,
             buffer: Vec::new(),
             number: 0,
             read_bytes: 0,
         }
+    }
+
+    /// Reads on in another stream. The count of the lines starts anew, that of the bytes does not.
+    pub fn continue_with(&mut self, stream: Box<dyn BufRead>) {
+        self.stream = stream;
+        self.number = 0;
     }
 
     /// Lines read whole so far.
@@ -84,7 +90,7 @@ mod tests {
     fn a_line_without_end_costs_bounded_memory_and_one_line() {
         let mut text = vec![b'7'; 3 * MAX_LINE_BYTES];
         text.extend_from_slice(b"\nnext\r\n");
-        let mut lines = Lines::new(io::Cursor::new(text));
+        let mut lines = Lines::new(Box::new(io::Cursor::new(text)));
         let long = lines.next_line().unwrap().unwrap();
         assert!(long.too_long && long.bytes.len() <= MAX_LINE_BYTES + 1);
         let next = lines.next_line().unwrap().unwrap();

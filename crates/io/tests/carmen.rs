@@ -324,7 +324,9 @@ fn what_is_no_log_is_told_apart() {
         "3 lines: no scan in it; it holds 2 ODOM",
     );
     assert!(error(&folder.path().join("none.log")).ends_with("none.log: no such file"));
-    assert!(error(folder.path()).contains("is a directory"));
+    let inner = folder.path().join("inner");
+    std::fs::create_dir(&inner).unwrap();
+    assert!(error(&inner).contains("is a directory"));
 }
 
 #[test]
@@ -358,6 +360,14 @@ fn the_real_logs_are_read_to_their_end() {
         let rest = log.by_ref().map(Result::unwrap).count();
         assert_eq!((1 + rest, log.tally().bad_scans), (expected, 0), "{name}");
     }
+}
+
+#[test]
+fn a_graph_with_lasers_in_it_is_read_past_its_vertices() {
+    let vertices = "VERTEX_SE2 17 1.5 2.5 0.1\n".repeat(20_000);
+    let mut log = open_text(&(vertices + &robotlaser(-1.5, 0.02, 5)), ReadOptions::default());
+    assert_eq!(log.by_ref().count(), 1);
+    assert_eq!(log.tally().other_messages["VERTEX_SE2"], 20_000);
 }
 
 #[test]

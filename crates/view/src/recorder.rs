@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use polymapper_core::map::Map;
-use polymapper_core::mapper::{Mapper, Outcome, Step};
+use polymapper_core::mapper::{Mapper, NotPlaced, Outcome, Step};
 use polymapper_core::scan::Scan;
 
 use crate::record::{About, End, FORMAT, Line, MapState, ShownPoses, Skipped, VERSION, detail, frame, walls};
@@ -72,6 +72,8 @@ pub struct Recorder<S> {
     merged_then: usize,
     /// The scan before left open where the scanner is.
     was_open: bool,
+    /// The scan before is part of a map that is kept apart.
+    was_apart: bool,
     since: Instant,
     took: Duration,
 }
@@ -100,6 +102,7 @@ impl<S: Sink> Recorder<S> {
             merged: 0,
             merged_then: 0,
             was_open: false,
+            was_apart: false,
             since: Instant::now(),
             took: Duration::ZERO,
         })
@@ -110,7 +113,15 @@ impl<S: Sink> Recorder<S> {
     /// # Errors
     /// Those of the sink.
     pub fn step(&mut self, mapper: &Mapper, scanned: Scanned<'_>, step: &Step) -> io::Result<()> {
-        let last = self.shown.last_placed();
+        let is_apart = step.outcome
+            == Outcome::NotPlaced {
+                reason: NotPlaced::SeparateSubmap,
+            };
+        // Within a map that is kept apart, the search is in that map's frame, which has no place on the page.
+        let last = (!(is_apart && self.was_apart))
+            .then(|| self.shown.last_placed())
+            .flatten();
+        self.was_apart = is_apart;
         let frame = frame(step, scanned.index, scanned.stamp_s);
         self.shown.push(frame.pose);
         self.scans += 1;

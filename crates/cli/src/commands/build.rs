@@ -12,13 +12,15 @@ use polymapper_core::geometry::Polyline;
 use polymapper_core::map::Map;
 use polymapper_core::mapper::Settings;
 use polymapper_io::log::{Entry, LineFault, Log};
+use polymapper_io::out::formats::{ExportFormat, ScanSource};
 use polymapper_io::out::{
     AtomicFile, InputReport, MapFile, MapReport, Outcome, Report, ScanReport, TrajectoryRow, prepare_folder,
-    write_map, write_trajectory_csv, write_trajectory_tum,
+    read_map, read_trajectory_csv, write_map, write_trajectory_csv, write_trajectory_tum,
 };
 
 use crate::args::BuildArgs;
 use crate::clock::StageClock;
+use crate::exports::{ExportChoice, Exported, KeptScans, use_scans, write_all};
 use crate::interrupt::Interrupt;
 use crate::mapping::{CoreMapping, Mapping};
 use crate::record::BuildRecord;
@@ -29,7 +31,7 @@ use crate::{Finish, memory, pictures, report_html};
 /// Runs the command.
 pub fn run(args: &BuildArgs) -> anyhow::Result<Finish> {
     prepare_folder(&args.output)?;
-    let log = scans::open(&args.log.log, args.log.read_options())?;
+    let log = scans::open(&args.log.choice.log, args.log.read_options())?;
     let odometry_used = args.log.use_odometry;
     let record = if args.no_replay {
         None
@@ -42,7 +44,18 @@ pub fn run(args: &BuildArgs) -> anyhow::Result<Finish> {
         &args.output,
         odometry_used,
         &Interrupt::listen()?,
+        &Also {
+            formats: &args.export,
+            choice: Some(&args.choice),
+        },
     )
+}
+
+/// What is exported besides.
+#[derive(Default)]
+pub struct Also<'a> {
+    formats: &'a [&'static ExportFormat],
+    choice: Option<&'a ExportChoice>,
 }
 
 /// Builds the map of `log` and writes everything into `folder`, which is there and writable.
@@ -52,20 +65,26 @@ pub fn build(
     folder: &Path,
     odometry_used: bool,
     interrupt: &Interrupt,
+    also: &Also<'_>,
 ) -> anyhow::Result<Finish> {
+    let keep_scans = use_scans(also.formats);
+    let mut kept = KeptScans::default();
     let mut clock = StageClock::new(&["read"]);
     let mut lines = Vec::new();
     let mut returns = 0;
     clock.enter("read");
     let reading = scans::for_each(&mut log, interrupt, |entry| {
         lines.push(LaserLine::of(&entry));
-        match &entry {
+        match entry {
             Entry::Scan(scan) => {
                 returns += scan.scan.returns();
-                mapper.add_scan(scan, &mut clock)?;
+                mapper.add_scan(&scan, &mut clock)?;
                 clock.enter("read");
+                if keep_scans {
+                    kept.0.push((scan.index, scan.scan));
+                }
             }
-            Entry::Bad(bad) => mapper.skip(bad)?,
+            Entry::Bad(bad) => mapper.skip(&bad)?,
         }
         Ok(())
     })?;
@@ -76,6 +95,19 @@ pub fn build(
     write_result(folder, &finished.map, &rows, reading.partial.as_deref())?;
     clock.enter("draw");
     pictures::write(folder, &finished.map, &rows, log.name())?;
+    if let Some(choice) = also.choice.filter(|_| !also.formats.is_empty()) {
+        clock.enter("export");
+        // From the files, so that `export` gives the same bytes another day.
+        let map = read_map(&folder.join("map.json"))?.map;
+        let rows = read_trajectory_csv(&folder.join("trajectory.csv"))?;
+        let exported = Exported {
+            map: &map,
+            trajectory: Some(&rows),
+            scans: keep_scans.then_some(&kept as &dyn ScanSource),
+            title: &scans::short_name(log.name()),
+        };
+        write_all(also.formats, choice, &exported, folder, "map")?;
+    }
     let report = Report {
         generator: concat!("polymapper ", env!("CARGO_PKG_VERSION")).to_owned(),
         partial: reading.partial.clone(),
@@ -305,7 +337,7 @@ mod tests {
         let path: PathBuf = folder.path().join("test.log");
         fs::write(&path, text).unwrap();
         let log = scans::open(&path, ReadOptions::default()).unwrap();
-        let finish = build(log, mapper, folder.path(), false, interrupt);
+        let finish = build(log, mapper, folder.path(), false, interrupt, &Also::default());
         Built { finish, folder }
     }
 
@@ -368,7 +400,8 @@ mod tests {
         let built = build_text(&WRONG.repeat(2), Rail::default(), &Interrupt::default());
         let error = built.finish.as_ref().unwrap_err().to_string();
         assert!(
-            error.contains("none of its 2 scans can be used; the first: line 1: 3 ranges"),
+            error.contains("none of its 2 scans can be used; the first:")
+                && error.contains("line 1: 3 ranges"),
             "{error}"
         );
         assert!(!built.folder.path().join("map.json").exists());

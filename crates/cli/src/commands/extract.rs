@@ -5,7 +5,7 @@ use std::path::Path;
 
 use polymapper_core::extract::{ExtractSettings, extract, extract_with_budget};
 use polymapper_core::scan::Scan;
-use polymapper_io::log::{Entry, ReadOptions};
+use polymapper_io::log::Entry;
 use polymapper_io::out::{AtomicFile, write_polylines};
 
 use crate::args::ExtractArgs;
@@ -33,11 +33,7 @@ pub fn run(args: &ExtractArgs) -> anyhow::Result<Finish> {
 }
 
 fn write_all(args: &ExtractArgs, out: &mut impl Write) -> anyhow::Result<Reading> {
-    let options = ReadOptions {
-        laser: args.laser.clone(),
-        ..ReadOptions::default()
-    };
-    let mut log = scans::open(&args.log, options)?;
+    let mut log = scans::open(&args.log.log, args.log.read_options())?;
     let settings = ExtractSettings::default();
     scans::for_each(&mut log, &Interrupt::listen()?, |entry| {
         let Entry::Scan(scan) = entry else { return Ok(()) };

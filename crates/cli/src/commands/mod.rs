@@ -1,9 +1,13 @@
 //! One module a command.
 
 pub mod build;
+pub mod convert;
 pub mod demo;
+pub mod export;
 pub mod extract;
 pub mod figures;
+pub mod import;
+pub mod inspect;
 pub mod match_scans;
 pub mod play;
 pub mod simulate;

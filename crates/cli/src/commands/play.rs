@@ -6,7 +6,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
-use polymapper_io::log::{Entry, LogScan, ReadOptions, write_json_line};
+use polymapper_io::log::{Entry, LogScan, write_json_line};
 
 use crate::Finish;
 use crate::args::PlayArgs;
@@ -21,11 +21,7 @@ const USUAL_GAP_S: f64 = 0.1;
 /// Runs the command.
 pub fn run(args: &PlayArgs) -> anyhow::Result<Finish> {
     let mut pace = Pace::new(args)?;
-    let options = ReadOptions {
-        use_odometry: args.use_odometry,
-        laser: args.laser.clone(),
-    };
-    let mut log = scans::open(&args.log, options)?;
+    let mut log = scans::open(&args.log.choice.log, args.log.read_options())?;
     let mut out = open(&args.output)?;
     for entry in log.by_ref() {
         match entry? {

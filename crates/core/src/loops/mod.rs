@@ -9,4 +9,4 @@ mod recognise;
 pub(crate) mod ways;
 
 pub use recognise::RecogniseSettings;
-pub(crate) use recognise::{recognise, seen_around};
+pub(crate) use recognise::{find_in, recognise, seen_around};

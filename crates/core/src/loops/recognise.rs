@@ -74,13 +74,47 @@ pub(crate) fn recognise(
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
     let place = Place::around(keyframes, old, settings.stretch_m);
     let recent = stretch(keyframes, newest, settings.stretch_m, |k| k <= newest);
-    let matched = place.locate(keyframes, &recent, newest, drift(old), align, settings)?;
+    let here = keyframes[newest].map_from_scan;
+    let views: Vec<View> = recent.iter().map(|&k| View::new(&keyframes[k], here)).collect();
+    let matched = place.locate(&views, here, drift(old), align, settings)?;
     let old_pose = keyframes[old].map_from_scan;
     Some(Edge {
         from: old,
         to: newest,
         motion: old_pose.inverse() * matched.map_from_scan,
-        information: matched.information,
+        information: matched.information.turned(-old_pose.theta_rad),
+        is_loop: true,
+    })
+}
+
+/// Where keyframe `anchor` of another map is in the map of `old`: the scans around it are compared with the place around
+/// keyframe `at`, and fit in exactly one way within `window_m` of `centre` (the anchor's pose), whatever the heading.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "two maps, a place in each, and how far to look"
+)]
+pub(crate) fn find_in(
+    old: &[Keyframe],
+    at: usize,
+    new: &[Keyframe],
+    anchor: usize,
+    centre: Pose,
+    window_m: f64,
+    align: &AlignSettings,
+    settings: &RecogniseSettings,
+) -> Option<Edge> {
+    let place = Place::around(old, at, settings.stretch_m);
+    let here = new[anchor].map_from_scan;
+    let views: Vec<View> = stretch(new, anchor, settings.stretch_m, |_| true)
+        .iter()
+        .map(|&k| View::new(&new[k], here))
+        .collect();
+    let matched = place.locate(&views, centre, Drift::anywhere(window_m), align, settings)?;
+    Some(Edge {
+        from: at,
+        to: anchor,
+        motion: old[at].map_from_scan.inverse() * matched.map_from_scan,
+        information: matched.information.turned(-old[at].map_from_scan.theta_rad),
         is_loop: true,
     })
 }
@@ -91,9 +125,20 @@ struct Drift {
     sigma_m: f64,
     sigma_rad: f64,
     window_m: f64,
+    window_rad: f64,
 }
 
 impl Drift {
+    /// Nothing is known but that the place is within `window_m`.
+    fn anywhere(window_m: f64) -> Self {
+        Self {
+            sigma_m: 1e3,
+            sigma_rad: 1e3,
+            window_m,
+            window_rad: std::f64::consts::PI,
+        }
+    }
+
     fn after(way_m: f64, settings: &RecogniseSettings) -> Self {
         let sigma_m = 0.15 + settings.drift_share * way_m.min(1e4);
         // A turn by one degree in 50 m.
@@ -102,6 +147,7 @@ impl Drift {
             sigma_m,
             sigma_rad,
             window_m: (3.0 * sigma_m).min(settings.most_window_m),
+            window_rad: (3.0 * sigma_rad).min(0.6),
         }
     }
 
@@ -200,15 +246,12 @@ impl Place {
     /// The newest keyframe's pose by this place, if the recent scans fit it in one way only.
     fn locate(
         &self,
-        keyframes: &[Keyframe],
-        recent: &[usize],
-        newest: usize,
+        views: &[View],
+        here: Pose,
         drift: Drift,
         align: &AlignSettings,
         settings: &RecogniseSettings,
     ) -> Option<Matched> {
-        let here = keyframes[newest].map_from_scan;
-        let views: Vec<View> = recent.iter().map(|&k| View::new(&keyframes[k], here)).collect();
         let points: Vec<SidePoint> = views
             .iter()
             .flat_map(|v| v.points_in(v.newest_from_scan))
@@ -218,7 +261,7 @@ impl Place {
         let window = Window {
             centre: here,
             half_m: drift.window_m,
-            half_rad: (3.0 * drift.sigma_rad).min(0.6),
+            half_rad: drift.window_rad,
             wanted: 4,
             min_score: 0.3,
         };
@@ -232,7 +275,7 @@ impl Place {
                         sigma_rad: 0.02,
                     };
                     let alignment = align_to_grid(&points, &self.sides, |_, _| true, &guess, None, align)?;
-                    let agreement = self.agreement(&views, alignment.map_from_scan);
+                    let agreement = self.agreement(views, alignment.map_from_scan);
                     let loss = LOSS_PER_SQUARE * drift.squares(alignment.map_from_scan, here);
                     Some((agreement.score() - loss, agreement, alignment))
                 })

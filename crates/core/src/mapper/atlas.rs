@@ -46,6 +46,8 @@ const KEYFRAME_SCANS: usize = 10;
 /// See the module.
 #[derive(Clone, Default)]
 pub(crate) struct Atlas {
+    /// Number of this map among those of a track.
+    pub id: u32,
     keyframes: Vec<Keyframe>,
     edges: Vec<Edge>,
     local: GrowingMap,
@@ -69,6 +71,14 @@ pub(crate) struct Atlas {
 }
 
 impl Atlas {
+    /// An empty map with a number of its own.
+    pub fn numbered(id: u32) -> Self {
+        Self {
+            id,
+            ..Self::default()
+        }
+    }
+
     /// The part of the map around.
     pub fn local(&self) -> &GrowingMap {
         &self.local
@@ -77,6 +87,38 @@ impl Atlas {
     /// The polylines of it that the last scan was merged into, by slot.
     pub fn merged_into(&self) -> &[u32] {
         &self.merged_into
+    }
+
+    /// The keyframes, oldest first.
+    pub fn keyframes(&self) -> &[Keyframe] {
+        &self.keyframes
+    }
+
+    /// Takes in another map, tied to this one by `edge` (from a keyframe of this map to one of the other). Returns the
+    /// other's pose in this one's frame, and the number that its first keyframe gets.
+    pub fn absorb(&mut self, other: Self, edge: Edge, settings: &Settings) -> (Pose, usize) {
+        let offset = self.keyframes.len();
+        let here_from_other = self.pose(edge.from) * edge.motion * other.pose(edge.to).inverse();
+        let before_m = self.keyframes.last().map_or(0.0, |k| k.way_m);
+        self.keyframes
+            .extend(other.keyframes.into_iter().map(|k| Keyframe {
+                map_from_scan: here_from_other * k.map_from_scan,
+                way_m: before_m + k.way_m,
+                ..k
+            }));
+        self.edges.extend(other.edges.into_iter().map(|e| Edge {
+            from: e.from + offset,
+            to: e.to + offset,
+            ..e
+        }));
+        self.edges.push(Edge {
+            to: edge.to + offset,
+            information: loosened(&edge.information),
+            ..edge
+        });
+        self.waiting = None;
+        self.renew_local(settings);
+        (here_from_other, offset)
     }
 
     /// Number and pose of the newest keyframe; the map's frame when there is none.

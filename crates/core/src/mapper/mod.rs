@@ -113,7 +113,16 @@ impl Mapper {
             .iter()
             .map(|track| track.place(&seen, odometry, settings))
             .collect();
-        let ways = onward(&self.tracks, &answers, self.scans_undecided);
+        let backs: Vec<Option<(usize, Answer)>> = self
+            .tracks
+            .iter()
+            .zip(&answers)
+            .map(|(track, answer)| {
+                let is_lost = answer.believed.is_empty();
+                is_lost.then(|| track.place_back(&seen, settings)).flatten()
+            })
+            .collect();
+        let ways = onward(&self.tracks, &answers, &backs, self.scans_undecided);
 
         let mut steps: Vec<Step> = Vec::with_capacity(ways.len());
         let mut tracks: Vec<Track> = Vec::with_capacity(ways.len());
@@ -124,8 +133,9 @@ impl Mapper {
                 self.tracks[way.track].clone()
             };
             track.merit = way.merit;
-            let mut step = Step::new(number, Arc::clone(&extraction), NotPlaced::NoMatch);
-            step.tell(&answers[way.track], way.placement.as_ref());
+            let mut step = Step::new(number, Arc::clone(&extraction), NotPlaced::SeparateSubmap);
+            let back = backs[way.track].as_ref().map(|(_, answer)| answer);
+            step.tell(back.unwrap_or(&answers[way.track]), &way.way);
             self.go_on(&mut track, &mut step, way, &seen, odometry, enter);
             tracks.push(track);
             steps.push(step);
@@ -151,14 +161,10 @@ impl Mapper {
         odometry: Option<Pose>,
         enter: &mut dyn FnMut(Stage),
     ) {
-        if way.placement.is_none() && !track.is_empty() {
-            track.miss(NotPlaced::NoMatch);
-            return;
-        }
-        track.advance(way.placement.as_ref(), odometry);
+        let pose = track.advance(&way.way, odometry);
         enter(Stage::Merge);
-        if track.wants(step) {
-            track.merge(step, seen, &self.settings);
+        if track.wants(pose, step) {
+            track.merge(pose, step, seen, &self.settings);
             enter(Stage::Loops);
             track.close_loops(step, &self.settings);
         }

@@ -1,20 +1,21 @@
 use std::sync::Arc;
 
+use super::track::Way;
 use crate::align::Alignment;
 use crate::extract::Extraction;
 use crate::geometry::{Polyline, Pose};
 use crate::matching::Matching;
 use crate::merge::MergeReport;
+use crate::place::Answer;
 use crate::place::judge::Agreement;
-use crate::place::{Answer, Placement};
 
 /// Why a scan has no place in the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum NotPlaced {
     /// Fewer returns on polylines than an alignment needs.
     TooFewReturns,
-    /// No pose lets the scan agree with the map.
-    NoMatch,
+    /// No pose lets the scan agree with the map: it is part of a map of its own, which has not been recognised in the main one yet.
+    SeparateSubmap,
 }
 
 /// What became of a scan.
@@ -127,7 +128,12 @@ impl Step {
     }
 
     /// Takes note of how the scan was placed.
-    pub(super) fn tell(&mut self, answer: &Answer, placement: Option<&Placement>) {
+    pub(super) fn tell(&mut self, answer: &Answer, way: &Way) {
+        let placement = match way {
+            Way::On(placement) => *placement,
+            Way::Back(_, placement) => Some(*placement),
+            Way::Apart => None,
+        };
         self.virtual_scan.clone_from(&answer.virtual_scan);
         self.matching.clone_from(&answer.matching);
         self.hypotheses = answer

@@ -2,11 +2,17 @@
 //!
 //! Where the walls cannot tell between two places, both accounts are carried on over the next scans, each with its own
 //! merging, until one of them explains the scans worse. The loser's merging goes with it.
+//!
+//! Where nothing fits, the scan begins a map of its own and mapping goes on in that. It is joined to the map before when
+//! its scans are recognised there in exactly one way; when instead the next scan fits into the map before, that is
+//! taken up again. Nothing is merged just to keep going.
 
 use super::atlas::Atlas;
 use super::{NotPlaced, Outcome, Settings, Step};
-use crate::geometry::Pose;
+use crate::geometry::{Pose, wrap_rad};
 use crate::keyframe::Seen;
+use crate::loops::find_in;
+use crate::map::Map;
 use crate::place::{Answer, Motion, Placement, Question, place};
 
 /// See the module.
@@ -16,38 +22,99 @@ pub(super) struct Track {
     /// Odometry of the last placed scan.
     odometry: Option<Pose>,
     atlas: Atlas,
+    /// Maps that were left when the scanner was lost, the last one at the end.
+    left: Vec<Left>,
     held: Vec<Held>,
     /// What its placements have gathered since another track branched off.
     pub merit: f64,
+}
+
+/// A map that was left, and the motion when it was.
+#[derive(Clone)]
+struct Left {
+    motion: Motion,
+    atlas: Atlas,
+    /// Scans since.
+    scans: u32,
+    /// The keyframe where it is looked for next.
+    cursor: usize,
+    /// Pose of the present map in this one, by a place that waits for another to agree.
+    waiting: Option<Pose>,
+}
+
+impl Left {
+    /// Whether the place before put the scanner, now at `new_from_scan` in the present map, at the same pose.
+    fn is_confirmed(&mut self, old_from_new: Pose, new_from_scan: Pose) -> bool {
+        let before = self.waiting.replace(old_from_new);
+        before.is_some_and(|before| {
+            let (a, b) = (before * new_from_scan, old_from_new * new_from_scan);
+            a.distance(b) < AGREE_M && wrap_rad(a.theta_rad - b.theta_rad).abs() < AGREE_RAD
+        })
+    }
 }
 
 /// How a scan is held: by a keyframe, with which it moves when loops are closed, or not at all.
 #[derive(Clone, Copy)]
 enum Held {
     By {
+        atlas: u32,
         keyframe: usize,
         keyframe_from_scan: Pose,
     },
     Nowhere(NotPlaced),
 }
 
+/// How a scan goes on.
+#[derive(Clone, Copy)]
+pub(super) enum Way {
+    /// In the map so far; the first scan of a map has no placement.
+    On(Option<Placement>),
+    /// In a map that was left, by its place among them.
+    Back(usize, Placement),
+    /// In a map of its own.
+    Apart,
+}
+
+/// A map is looked for where it was left over so many keyframes, then elsewhere.
+const LOOK_WHERE_LEFT: usize = 8;
+/// How far from the place where it was left it may be, metres, and how much farther for every scan since.
+const LEFT_WINDOW_M: f64 = 1.5;
+const LEFT_WINDOW_PER_SCAN_M: f64 = 0.5;
+/// Half the window around other places, metres.
+const OTHER_WINDOW_M: f64 = 4.0;
+/// Two places in a row agree when they put the scanner less far apart than this, metres and radians.
+const AGREE_M: f64 = 0.5;
+const AGREE_RAD: f64 = 0.1;
+/// Keyframes between two places that are looked at.
+const CURSOR_STEP: usize = 3;
+
 impl Track {
-    /// Finds the next scan's place.
+    /// Finds the next scan's place in the map so far.
     pub fn place(&self, seen: &Seen, odometry: Option<Pose>, settings: &Settings) -> Answer {
-        let Some(mut motion) = self.motion.clone() else {
-            return Answer::default();
-        };
-        if let (Some(before), Some(now)) = (self.odometry, odometry) {
-            motion.driven = Some(before.inverse() * now);
+        let driven = self
+            .odometry
+            .zip(odometry)
+            .map(|(before, now)| before.inverse() * now);
+        match &self.motion {
+            Some(motion) => place_in(&self.atlas, &motion.driven(driven), seen, settings),
+            None => Answer::default(),
         }
-        let question = Question {
-            points: &seen.points,
-            polylines: &seen.extraction.polylines,
-            map: self.atlas.local(),
-            merged_into: self.atlas.merged_into(),
-            motion: &motion,
-        };
-        place(question, &settings.align, &settings.place)
+    }
+
+    /// Finds its place in the maps that were left, the last one first. A single scan is believed only when nothing else
+    /// comes near.
+    pub fn place_back(&self, seen: &Seen, settings: &Settings) -> Option<(usize, Answer)> {
+        (0..self.left.len()).rev().find_map(|k| {
+            let left = &self.left[k];
+            let motion = left.motion.lost_for(left.scans);
+            let answer = place_in(&left.atlas, &motion, seen, settings);
+            let stands_out = |p: &Placement| p.lead.is_none_or(|lead| lead >= settings.place.far_lead);
+            answer
+                .placement
+                .as_ref()
+                .is_some_and(stands_out)
+                .then_some((k, answer))
+        })
     }
 
     /// Whether nothing has been placed yet.
@@ -55,76 +122,217 @@ impl Track {
         self.motion.is_none()
     }
 
-    /// Where the last placed scan is.
-    pub fn pose(&self) -> Option<Pose> {
-        self.motion.as_ref().map(|m| m.map_from_scan)
-    }
-
-    /// The scan has no place here.
+    /// The scan has no place anywhere.
     pub fn miss(&mut self, reason: NotPlaced) {
         self.held.push(Held::Nowhere(reason));
         if let Some(motion) = &mut self.motion {
             motion.lost_scans += 1;
         }
+        self.left.iter_mut().for_each(|l| l.scans += 1);
     }
 
-    /// Goes on to a placed scan; the first one makes the frame of the map.
-    pub fn advance(&mut self, placement: Option<&Placement>, odometry: Option<Pose>) {
-        let pose = placement.map_or(Pose::IDENTITY, |p| p.alignment.map_from_scan);
+    /// Goes on to the next scan's place, and says where that is.
+    pub fn advance(&mut self, way: &Way, odometry: Option<Pose>) -> Pose {
+        self.left.iter_mut().for_each(|l| l.scans += 1);
+        let pose = match way {
+            Way::On(placement) => placement.map_or(Pose::IDENTITY, |p| p.alignment.map_from_scan),
+            Way::Back(k, placement) => {
+                self.go_back(*k);
+                placement.alignment.map_from_scan
+            }
+            Way::Apart => self.go_apart(),
+        };
         match &mut self.motion {
             Some(motion) => motion.advance(pose),
             None => self.motion = Some(Motion::starting_at(pose)),
         }
         self.odometry = odometry;
+        pose
+    }
+
+    /// Leaves the map; the next one begins where the scanner would be if it had gone on.
+    fn go_apart(&mut self) -> Pose {
+        let Some(motion) = &mut self.motion else {
+            return Pose::IDENTITY;
+        };
+        let expected = motion.predicted().map_from_scan;
+        let id = 1 + self.left.iter().map(|l| l.atlas.id).fold(self.atlas.id, u32::max);
+        self.left.push(Left {
+            motion: motion.clone(),
+            atlas: std::mem::replace(&mut self.atlas, Atlas::numbered(id)),
+            scans: 1,
+            cursor: 0,
+            waiting: None,
+        });
+        motion.lost_scans += 1;
+        expected
+    }
+
+    /// Takes up a map that was left, and leaves the present one in its stead.
+    fn go_back(&mut self, k: usize) {
+        let Some(motion) = &mut self.motion else { return };
+        let left = &mut self.left[k];
+        std::mem::swap(&mut left.atlas, &mut self.atlas);
+        std::mem::swap(&mut left.motion, motion);
+        motion.lost_scans = left.scans;
+        left.scans = 1;
     }
 
     /// Whether the placed scan shall be merged.
-    pub fn wants(&self, step: &Step) -> bool {
-        self.pose().is_some_and(|pose| self.atlas.wants(pose, step))
+    pub fn wants(&self, pose: Pose, step: &Step) -> bool {
+        self.atlas.wants(pose, step)
     }
 
     /// Merges the placed scan.
-    pub fn merge(&mut self, step: &mut Step, seen: &Seen, settings: &Settings) {
-        if let Some(pose) = self.pose() {
-            self.atlas.add_keyframe(step, seen, pose, settings);
-        }
+    pub fn merge(&mut self, pose: Pose, step: &mut Step, seen: &Seen, settings: &Settings) {
+        self.atlas.add_keyframe(step, seen, pose, settings);
     }
 
     /// Looks for known places; the scanner moves along when one moves the newest keyframe.
     pub fn close_loops(&mut self, step: &mut Step, settings: &Settings) {
         let moved = self.atlas.close_loops(step, settings);
+        self.follow(moved);
+        for k in (0..self.left.len()).rev() {
+            if self.join(k, step, settings) {
+                return;
+            }
+        }
+    }
+
+    fn follow(&mut self, moved: Pose) {
         if let Some(motion) = &mut self.motion {
             motion.map_from_scan = moved * motion.map_from_scan;
         }
     }
 
+    /// Looks for the present map in one that was left. Returns whether it was found and taken in.
+    fn join(&mut self, k: usize, step: &mut Step, settings: &Settings) -> bool {
+        let new = self.atlas.keyframes();
+        let left = &mut self.left[k];
+        let old = left.atlas.keyframes();
+        let (Some(newest), Some(tip)) = (new.len().checked_sub(1), old.len().checked_sub(1)) else {
+            return false;
+        };
+        if newest == 0 || old.len() < new.len() {
+            return false;
+        }
+        let is_where_left = newest <= LOOK_WHERE_LEFT;
+        let edge = if is_where_left {
+            let window_m = LEFT_WINDOW_M + LEFT_WINDOW_PER_SCAN_M * f64::from(left.scans).min(8.0);
+            let centre = left.motion.predicted().map_from_scan;
+            find_in(
+                old,
+                tip,
+                new,
+                0,
+                centre,
+                window_m,
+                &settings.align,
+                &settings.recognise,
+            )
+        } else {
+            left.cursor = (left.cursor + CURSOR_STEP) % old.len();
+            let at = tip - left.cursor;
+            let centre = old[at].map_from_scan;
+            find_in(
+                old,
+                at,
+                new,
+                newest,
+                centre,
+                OTHER_WINDOW_M,
+                &settings.align,
+                &settings.recognise,
+            )
+        };
+        let Some(edge) = edge else { return false };
+        let old_from_new = old[edge.from].map_from_scan * edge.motion * new[edge.to].map_from_scan.inverse();
+        let recognised = old[edge.from].number;
+        if !is_where_left && !left.is_confirmed(old_from_new, new[edge.to].map_from_scan) {
+            return false;
+        }
+        step.recognised = Some(recognised);
+        let left = self.left.remove(k);
+        let new = std::mem::replace(&mut self.atlas, left.atlas);
+        let new_id = new.id;
+        let (moved, offset) = self.atlas.absorb(new, edge, settings);
+        self.follow(moved);
+        self.rehold(new_id, offset);
+        true
+    }
+
+    /// Scans held by a map that was taken in are held by the one that took it in.
+    fn rehold(&mut self, absorbed: u32, offset: usize) {
+        for held in &mut self.held {
+            if let Held::By { atlas, keyframe, .. } = held
+                && *atlas == absorbed
+            {
+                *atlas = self.atlas.id;
+                *keyframe += offset;
+            }
+        }
+    }
+
     /// Holds the placed scan by the newest keyframe.
     pub fn hold(&mut self) -> Outcome {
-        let pose = self.pose().unwrap_or(Pose::IDENTITY);
+        let pose = self.motion.as_ref().map_or(Pose::IDENTITY, |m| m.map_from_scan);
         let (keyframe, map_from_keyframe) = self.atlas.newest();
-        self.held.push(Held::By {
+        let held = Held::By {
+            atlas: self.atlas.id,
             keyframe,
             keyframe_from_scan: map_from_keyframe.inverse() * pose,
-        });
-        Outcome::Placed { map_from_scan: pose }
+        };
+        self.held.push(held);
+        self.outcome(&held)
+    }
+
+    /// The map with the most keyframes: the others are kept apart.
+    fn main(&self) -> &Atlas {
+        let size = |atlas: &Atlas| atlas.keyframes().len();
+        self.left
+            .iter()
+            .map(|l| &l.atlas)
+            .fold(&self.atlas, |best, atlas| {
+                let is_more = size(atlas) > size(best) || (size(atlas) == size(best) && atlas.id < best.id);
+                if is_more { atlas } else { best }
+            })
+    }
+
+    fn outcome(&self, held: &Held) -> Outcome {
+        let main = self.main();
+        match *held {
+            Held::By {
+                atlas,
+                keyframe,
+                keyframe_from_scan,
+            } if atlas == main.id => Outcome::Placed {
+                map_from_scan: main.pose(keyframe) * keyframe_from_scan,
+            },
+            Held::By { .. } => Outcome::NotPlaced {
+                reason: NotPlaced::SeparateSubmap,
+            },
+            Held::Nowhere(reason) => Outcome::NotPlaced { reason },
+        }
     }
 
     /// What became of every scan so far, in the map frame as it is now.
     pub fn outcomes(&self) -> Vec<Outcome> {
-        let outcome = |held: &Held| match *held {
-            Held::By {
-                keyframe,
-                keyframe_from_scan,
-            } => Outcome::Placed {
-                map_from_scan: self.atlas.pose(keyframe) * keyframe_from_scan,
-            },
-            Held::Nowhere(reason) => Outcome::NotPlaced { reason },
-        };
-        self.held.iter().map(outcome).collect()
+        self.held.iter().map(|held| self.outcome(held)).collect()
     }
 
-    /// The map of all scans so far.
-    pub fn map(&self, settings: &Settings) -> crate::map::Map {
-        self.atlas.map(settings)
+    /// The map of all scans that are placed.
+    pub fn map(&self, settings: &Settings) -> Map {
+        self.main().map(settings)
     }
+}
+
+fn place_in(atlas: &Atlas, motion: &Motion, seen: &Seen, settings: &Settings) -> Answer {
+    let question = Question {
+        points: &seen.points,
+        polylines: &seen.extraction.polylines,
+        map: atlas.local(),
+        merged_into: atlas.merged_into(),
+        motion,
+    };
+    place(question, &settings.align, &settings.place)
 }

@@ -336,7 +336,7 @@ impl Stage<'_> {
     fn estimate(&self) -> PoseGaussian {
         let wider = 1.0 + 0.5 * f64::from(self.motion.lost_scans.min(10));
         PoseGaussian {
-            mean: self.motion.driven.unwrap_or(self.motion.step),
+            mean: self.motion.expected_step(),
             information: unmoved().information.scaled(1.0 / (wider * wider)),
         }
     }

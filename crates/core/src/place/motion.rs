@@ -30,7 +30,7 @@ pub(crate) struct Motion {
     /// From the last scan but one to the last, in the frame of the former.
     pub step: Pose,
     /// By odometry, from the last placed scan to now, in the frame of the former.
-    pub driven: Option<Pose>,
+    driven: Option<Pose>,
     /// Scans since, that could not be placed.
     pub lost_scans: u32,
     /// How far off predictions usually are.
@@ -76,6 +76,22 @@ impl Motion {
             lost_scans: 0,
             usual: Surprise::default(),
             steps: VecDeque::new(),
+        }
+    }
+
+    /// The same with what odometry says since the last placed scan.
+    pub fn driven(&self, driven: Option<Pose>) -> Self {
+        Self {
+            driven,
+            ..self.clone()
+        }
+    }
+
+    /// The same after `scans` more that could not be placed.
+    pub fn lost_for(&self, scans: u32) -> Self {
+        Self {
+            lost_scans: scans,
+            ..self.clone()
         }
     }
 
@@ -175,7 +191,8 @@ impl Motion {
             .fold(0.0, f64::max)
     }
 
-    fn expected_step(&self) -> Pose {
+    /// The step that is expected: by odometry, or the last one again.
+    pub fn expected_step(&self) -> Pose {
         self.driven.unwrap_or(self.step)
     }
 

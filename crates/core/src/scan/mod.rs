@@ -104,6 +104,18 @@ impl ScanGeometry {
         self.step_rad
     }
 
+    /// The shortest range that is a return, metres.
+    #[must_use]
+    pub fn min_range_m(&self) -> f64 {
+        self.min_range_m
+    }
+
+    /// Ranges from here on are no returns, metres.
+    #[must_use]
+    pub fn max_range_m(&self) -> f64 {
+        self.max_range_m
+    }
+
     /// Bearing of beam `beam`, radians, not wrapped.
     #[must_use]
     pub fn bearing_rad(&self, beam: usize) -> f64 {

@@ -1,6 +1,24 @@
-use std::io;
+use std::{fmt, io};
 
 use polymapper_core::scan::ScanError;
+
+/// What the numbers in messages about a log count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// Lines of text, from 1.
+    Line,
+    /// Messages or records, from 1.
+    Message,
+}
+
+impl fmt::Display for Unit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Line => "line",
+            Self::Message => "message",
+        })
+    }
+}
 
 /// Why a log cannot be read, or not to its end.
 #[derive(Debug, thiserror::Error)]
@@ -11,8 +29,8 @@ pub enum LogError {
         /// Name of the file.
         name: String,
     },
-    /// A folder where a file is expected.
-    #[error("{name} is a directory; a log file is expected")]
+    /// A folder without a log.
+    #[error("{name} is a directory; a log file is expected, or a directory with the parts of a log")]
     Directory {
         /// Name of the directory.
         name: String,
@@ -32,32 +50,44 @@ pub enum LogError {
         source: io::Error,
     },
     /// No format knows the content.
-    #[error(
-        "{name} is no laser log that is known here: {found}; expected is a CARMEN log, with lines such as `FLASER 180 ...`, or JSON lines with `ranges_m`"
-    )]
+    #[error("{name} is no laser log that is known here: {found}; expected is one of {formats}")]
     Unrecognised {
         /// Name of the file.
         name: String,
         /// How it starts.
         found: String,
+        /// The formats that are known.
+        formats: String,
+    },
+    /// Ranges, but nothing that says where they look.
+    #[error(
+        "{name}: nothing says at which bearings its ranges were measured; tell it, such as `--layout \"range_m* first_deg=-90 step_deg=0.5\"`"
+    )]
+    NoBearings {
+        /// Name of the file.
+        name: String,
     },
     /// A log without a line of the laser.
-    #[error("{name}, {lines} lines: no scan in it{others}")]
+    #[error("{name}, {lines} {}s: no scan in it{others}", unit)]
     NoScan {
         /// Name of the file.
         name: String,
-        /// Lines read.
+        /// Lines or messages read.
         lines: u64,
+        /// Which of the two.
+        unit: Unit,
         /// What it holds instead, as the end of the sentence.
         others: String,
     },
     /// The stream cannot be read on. Everything before was given out.
-    #[error("{name} breaks off after line {line}")]
+    #[error("{name} breaks off after {unit} {line}")]
     Broken {
         /// Name of the file.
         name: String,
-        /// Last line that was read whole.
+        /// Last line or message that was read whole.
         line: u64,
+        /// Which of the two.
+        unit: Unit,
         /// What the system or the decompressor says.
         source: io::Error,
     },
@@ -78,7 +108,16 @@ impl LogError {
             let bytes: Vec<String> = head.iter().take(8).map(|b| format!("{b:02x}")).collect();
             format!("binary data, {} ..", bytes.join(" "))
         };
-        Self::Unrecognised { name, found }
+        let formats: Vec<&str> = super::FORMATS
+            .iter()
+            .chain([&super::COLUMNS])
+            .map(|f| f.name)
+            .collect();
+        Self::Unrecognised {
+            name,
+            found,
+            formats: formats.join(", "),
+        }
     }
 }
 
@@ -141,13 +180,30 @@ pub enum LineFault {
         /// Fields that follow the ranges in a whole line.
         after: usize,
     },
-    /// No JSON object with the fields of a scan.
-    #[error("no scan in JSON: {what}")]
-    Json {
-        /// What is wrong, with its place in the line.
+    /// A binary message that does not hold what it announces.
+    #[error("{what}")]
+    Malformed {
+        /// What is wrong, with both numbers.
         what: String,
     },
     /// Bearings that make no sense.
     #[error(transparent)]
     Geometry(#[from] ScanError),
+}
+
+impl LineFault {
+    /// A short name of the kind of fault, to count by.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::TooLong { .. } => "too long",
+            Self::NotText => "not text",
+            Self::NotANumber { .. } => "not a number",
+            Self::Beams { .. } => "number of beams",
+            Self::BeamCount { .. } => "beams and header disagree",
+            Self::Cut { .. } => "cut",
+            Self::Malformed { .. } => "malformed",
+            Self::Geometry(_) => "bearings",
+        }
+    }
 }

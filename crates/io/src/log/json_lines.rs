@@ -1,41 +1,54 @@
-//! JSON lines: one scan a line, for scripts and drivers.
+//! JSON lines: a JSON object a line, with the ranges of a scan as an array; for scripts, drivers and live streams.
 //!
 //! ```json
 //! {"ranges_m": [1.23, 1.24, null], "first_bearing_rad": -1.5708, "step_rad": 0.0175, "stamp_s": 12.5}
 //! ```
 //!
-//! In goes a line, out comes a scan. `ranges_m` may hold `null` for no return. `first_bearing_rad` and `step_rad` may be
-//! left out: half a turn ahead, evenly spaced. `min_range_m`, `max_range_m`, `stamp_s` and `odometry` (`[x, y, theta]`)
-//! may be there. Fields that are not known are passed over; empty lines too.
+//! In go lines, out come scans. Known names, the first that is there counts:
+//!
+//! | what | names |
+//! |---|---|
+//! | ranges, metres, `null` for no return | `ranges_m`, `ranges`, `radius` |
+//! | a bearing for each, radians | `bearings_rad`, `bearings`, `azimuth`, `angles` |
+//! | or the first and the step | `first_bearing_rad` or `angle_min`, `step_rad` or `angle_increment` |
+//! | stamp, seconds | `stamp_s`, `stamp`, `timestamp`, `time` |
+//! | limits, metres | `range_min` and `range_max`, or `rlim` with both |
+//! | pose of odometry, metres and radians | `odometry`, `[x, y, theta]` |
+//!
+//! `ranges_m` without any bearing looks half a turn ahead, from right to left, evenly spaced; that is noted. Under the
+//! other names ranges come from programs that know nothing of this habit, so that they need bearings. Other names are
+//! passed over, empty lines too.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::{self, Write};
 
 use polymapper_core::geometry::Pose;
-use polymapper_core::scan::{Scan, ScanGeometry};
-use serde::{Deserialize, Serialize};
+use polymapper_core::scan::ScanGeometry;
+use serde::Serialize;
+use serde_json::{Map, Value};
 
-use super::{BadScan, Entry, LineFault, LogError, LogScan, ReadOptions, ScanReader, Tally};
+use super::columns::EvenBearings;
+use super::keeper::{Keeper, Reading};
+use super::{Entry, LineFault, LogError, LogScan, MAX_BEAMS, ReadOptions, ScanReader, Tally, Unit};
 use crate::input::Input;
-use crate::lines::{Line, Lines, MAX_LINE_BYTES};
+use crate::lines::{Lines, MAX_LINE_BYTES};
 
-/// More beams than any 2D scanner has a turn.
-const MAX_BEAMS: usize = 65_536;
+/// The name under which ranges may come without bearings.
+const OWN_RANGES: &str = "ranges_m";
+const RANGES: &[&str] = &[OWN_RANGES, "ranges", "radius"];
+const BEARINGS: &[&str] = &["bearings_rad", "bearings", "azimuth", "angles"];
+const FIRST: &[&str] = &["first_bearing_rad", "angle_min"];
+const STEP: &[&str] = &["step_rad", "angle_increment"];
+const STAMP: &[&str] = &["stamp_s", "stamp", "timestamp", "time"];
 
-#[derive(Serialize, Deserialize)]
+#[derive(Serialize)]
 struct ScanLine {
     ranges_m: Vec<Option<f64>>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    first_bearing_rad: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    step_rad: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    min_range_m: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    max_range_m: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    first_bearing_rad: f64,
+    step_rad: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
     stamp_s: Option<f64>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     odometry: Option<[f64; 3]>,
 }
 
@@ -48,10 +61,8 @@ pub fn write_json_line(out: &mut impl Write, scan: &LogScan) -> io::Result<()> {
     let range = |r: &f64| r.is_finite().then(|| (r * 1e4).round() / 1e4);
     let line = ScanLine {
         ranges_m: scan.scan.ranges_m().iter().map(range).collect(),
-        first_bearing_rad: Some(geometry.bearing_rad(0)),
-        step_rad: Some(geometry.step_rad()),
-        min_range_m: None,
-        max_range_m: None,
+        first_bearing_rad: geometry.bearing_rad(0),
+        step_rad: geometry.step_rad(),
         stamp_s: scan.stamp_s,
         odometry: scan.odometry.map(|p| [p.x, p.y, p.theta_rad]),
     };
@@ -61,47 +72,61 @@ pub fn write_json_line(out: &mut impl Write, scan: &LogScan) -> io::Result<()> {
 
 /// Whether the first line that is not empty is an object with ranges.
 pub(super) fn recognise(head: &[u8]) -> bool {
-    head.split(|&b| b == b'\n')
+    let line = head
+        .split(|&b| b == b'\n')
         .map(<[u8]>::trim_ascii)
         .find(|line| !line.is_empty())
-        .is_some_and(|line| line.starts_with(b"{") && line.windows(10).any(|w| w == b"\"ranges_m\""))
+        .unwrap_or_default();
+    line.starts_with(b"{")
+        && serde_json::from_slice::<Map<String, Value>>(line)
+            .is_ok_and(|object| array(&object, RANGES).is_some())
 }
 
-pub(super) fn open(input: Input, options: ReadOptions) -> Result<Box<dyn ScanReader>, LogError> {
-    Ok(Box::new(JsonReader {
+pub(super) fn open(input: Input, options: &ReadOptions) -> Result<Box<dyn ScanReader>, LogError> {
+    Ok(Box::new(JsonLinesReader {
         name: input.name.clone(),
         lines: Lines::new(input.into_stream()),
         use_odometry: options.use_odometry,
+        even: EvenBearings::default(),
         ended: false,
-        last_stamp_s: None,
-        tally: Tally::default(),
+        keeper: Keeper::new(Unit::Line, options),
+        lines_before: 0,
     }))
 }
 
-struct JsonReader {
+struct JsonLinesReader {
     name: String,
     lines: Lines,
     use_odometry: bool,
+    even: EvenBearings,
     ended: bool,
-    last_stamp_s: Option<f64>,
-    tally: Tally,
+    keeper: Keeper,
+    lines_before: u64,
 }
 
-impl ScanReader for JsonReader {
+impl ScanReader for JsonLinesReader {
     fn next_entry(&mut self) -> Option<Result<Entry, LogError>> {
         while !self.ended {
             match self.lines.next_line() {
+                Ok(None) => return None,
                 Ok(Some(line)) if line.bytes.is_empty() => {}
-                Ok(Some(line)) => {
-                    let (number, parsed) = (line.number, parse(&line, self.use_odometry));
-                    return Some(Ok(self.entry(number, parsed)));
+                Ok(Some(line)) if line.too_long => {
+                    let fault = LineFault::TooLong {
+                        limit: MAX_LINE_BYTES,
+                    };
+                    return Some(Ok(self.keeper.entry(line.number, Err(fault))));
                 }
-                Ok(None) => self.ended = true,
+                Ok(Some(line)) => {
+                    let number = line.number;
+                    let reading = parse(line.bytes).and_then(|object| self.reading(&object));
+                    return Some(Ok(self.keeper.entry(number, reading)));
+                }
                 Err(source) => {
                     self.ended = true;
                     return Some(Err(LogError::Broken {
                         name: self.name.clone(),
                         line: self.lines.number(),
+                        unit: Unit::Line,
                         source,
                     }));
                 }
@@ -110,120 +135,180 @@ impl ScanReader for JsonReader {
         None
     }
 
+    fn continue_with(&mut self, input: Input) -> Result<(), LogError> {
+        self.lines_before += self.lines.number();
+        input.name.clone_into(&mut self.name);
+        self.lines.continue_with(input.into_stream());
+        Ok(())
+    }
+
     fn tally(&self) -> Tally {
         Tally {
-            lines: self.lines.number(),
+            lines: self.lines_before + self.lines.number(),
             bytes: self.lines.read_bytes(),
-            ..self.tally.clone()
+            ..self.keeper.tally.clone()
         }
     }
 }
 
-impl JsonReader {
-    fn entry(&mut self, line: u64, parsed: Result<Parsed, LineFault>) -> Entry {
-        let index = self.tally.scans + self.tally.bad_scans;
-        match parsed {
-            Ok((scan, stamp_s, odometry)) => {
-                self.tally.scans += 1;
-                if let (Some(before), Some(now)) = (self.last_stamp_s, stamp_s) {
-                    self.tally.stamps_backwards += usize::from(now < before);
-                }
-                self.last_stamp_s = stamp_s.or(self.last_stamp_s);
-                Entry::Scan(LogScan {
-                    index,
-                    line,
-                    stamp_s,
-                    scan,
-                    odometry,
-                })
-            }
-            Err(fault) => {
-                self.tally.bad_scans += 1;
-                Entry::Bad(BadScan { index, line, fault })
-            }
+impl JsonLinesReader {
+    fn reading(&mut self, object: &Map<String, Value>) -> Result<Reading, LineFault> {
+        let ranges_m =
+            array(object, RANGES).ok_or_else(|| malformed(format!("none of {RANGES:?} is an array")))?;
+        if ranges_m.is_empty() || ranges_m.len() > MAX_BEAMS {
+            return Err(LineFault::Beams {
+                header: ranges_m.len() as u64,
+                limit: MAX_BEAMS,
+            });
         }
+        let (geometry, ranges_m) = self.with_bearings(object, ranges_m)?;
+        let (min_m, max_m) = limits(object);
+        Ok(Reading {
+            geometry: geometry.with_limits(min_m, max_m),
+            ranges_m,
+            stamp_s: number(object, STAMP),
+            odometry: self.use_odometry.then(|| pose(object)).flatten(),
+        })
+    }
+
+    /// The ranges in the order of their bearings.
+    fn with_bearings(
+        &mut self,
+        object: &Map<String, Value>,
+        ranges_m: Vec<f64>,
+    ) -> Result<(ScanGeometry, Vec<f64>), LineFault> {
+        let beams = ranges_m.len();
+        if let Some(bearings) = array(object, BEARINGS) {
+            if bearings.len() != beams || bearings.iter().any(|b| !b.is_finite()) {
+                return Err(malformed(format!(
+                    "{beams} ranges, but {} bearings that are numbers",
+                    bearings.iter().filter(|b| b.is_finite()).count()
+                )));
+            }
+            return self.even.scan(bearings.into_iter().zip(ranges_m).collect());
+        }
+        let (first_rad, step_rad) = match (number(object, FIRST), number(object, STEP)) {
+            (Some(first_rad), Some(step_rad)) => (first_rad, step_rad),
+            (None, None) if object.contains_key(OWN_RANGES) => {
+                self.keeper
+                    .note("ranges without bearings, taken as half a turn ahead".to_owned());
+                (-FRAC_PI_2, PI / (beams.max(2) - 1) as f64)
+            }
+            _ => {
+                return Err(malformed(format!(
+                    "no bearings: {BEARINGS:?}, or {FIRST:?} and {STEP:?}"
+                )));
+            }
+        };
+        Ok((ScanGeometry::new(first_rad, step_rad, beams)?, ranges_m))
     }
 }
 
-type Parsed = (Scan, Option<f64>, Option<Pose>);
+fn parse(line: &[u8]) -> Result<Map<String, Value>, LineFault> {
+    serde_json::from_slice(line).map_err(|error| malformed(format!("no JSON object: {error}")))
+}
 
-fn parse(line: &Line<'_>, use_odometry: bool) -> Result<Parsed, LineFault> {
-    if line.too_long {
-        return Err(LineFault::TooLong {
-            limit: MAX_LINE_BYTES,
-        });
+fn limits(object: &Map<String, Value>) -> (f64, f64) {
+    match array(object, &["rlim"]).as_deref() {
+        Some(&[min_m, max_m]) => (min_m, max_m),
+        _ => (
+            number(object, &["range_min"]).unwrap_or(0.0),
+            number(object, &["range_max"]).unwrap_or(f64::INFINITY),
+        ),
     }
-    let found: ScanLine = serde_json::from_slice(line.bytes).map_err(|error| LineFault::Json {
-        what: error.to_string(),
-    })?;
-    let beams = found.ranges_m.len();
-    if !(1..=MAX_BEAMS).contains(&beams) {
-        return Err(LineFault::Beams {
-            header: beams as u64,
-            limit: MAX_BEAMS,
-        });
+}
+
+fn pose(object: &Map<String, Value>) -> Option<Pose> {
+    match array(object, &["odometry"])?[..] {
+        [x, y, theta_rad] if [x, y, theta_rad].iter().all(|v| v.is_finite()) => {
+            Some(Pose::new(x, y, theta_rad))
+        }
+        _ => None,
     }
-    let step_rad = found.step_rad.unwrap_or(PI / (beams.max(2) - 1) as f64);
-    let geometry = ScanGeometry::new(found.first_bearing_rad.unwrap_or(-FRAC_PI_2), step_rad, beams)?
-        .with_limits(
-            found.min_range_m.unwrap_or(0.0),
-            found.max_range_m.unwrap_or(f64::INFINITY),
-        );
-    let ranges_m = found.ranges_m.iter().map(|r| r.unwrap_or(f64::NAN)).collect();
-    let odometry = found
-        .odometry
-        .filter(|o| use_odometry && o.iter().all(|v| v.is_finite()));
-    Ok((
-        Scan::new(geometry, ranges_m)?,
-        found.stamp_s,
-        odometry.map(|[x, y, theta_rad]| Pose::new(x, y, theta_rad)),
-    ))
+}
+
+/// The numbers of the first array that is there; what is none is NaN.
+fn array(object: &Map<String, Value>, names: &[&str]) -> Option<Vec<f64>> {
+    let values = names.iter().find_map(|name| object.get(*name)?.as_array())?;
+    Some(values.iter().map(|v| v.as_f64().unwrap_or(f64::NAN)).collect())
+}
+
+fn number(object: &Map<String, Value>, names: &[&str]) -> Option<f64> {
+    names.iter().find_map(|name| object.get(*name)?.as_f64())
+}
+
+fn malformed(what: String) -> LineFault {
+    LineFault::Malformed { what }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::log::open_bytes;
+    use crate::log::{Log, open_bytes};
 
-    fn entries(text: &'static str) -> Vec<Entry> {
+    fn opened(text: &'static str) -> Log {
         let options = ReadOptions {
             use_odometry: true,
             ..ReadOptions::default()
         };
         let log = open_bytes("test", text.as_bytes(), options).unwrap();
         assert_eq!(log.format(), "JSON lines");
-        log.map(Result::unwrap).collect()
+        log
+    }
+
+    fn entries(text: &'static str) -> Vec<Entry> {
+        opened(text).map(Result::unwrap).collect()
     }
 
     #[test]
-    fn a_line_with_ranges_alone_looks_half_a_turn_ahead() {
-        let all = entries("\n{\"ranges_m\": [1.0, null, 2.5]}\n");
-        let [Entry::Scan(scan)] = &all[..] else {
-            panic!("{all:?}");
+    fn a_line_with_ranges_alone_looks_half_a_turn_ahead_and_that_is_noted() {
+        let mut log = opened("\n{\"ranges_m\": [1.0, null, 2.5], \"stamp_s\": 12.5}\n");
+        let Some(Ok(Entry::Scan(scan))) = log.next() else {
+            panic!("no scan");
         };
-        assert_eq!((scan.index, scan.line, scan.scan.returns()), (0, 2, 2));
-        assert!((scan.scan.geometry().bearing_rad(2) - FRAC_PI_2).abs() < 1e-12);
+        assert_eq!((scan.index, scan.line, scan.stamp_s), (0, 2, Some(12.5)));
+        assert_eq!(scan.scan.returns(), 2);
+        let geometry = scan.scan.geometry();
+        assert!((geometry.bearing_rad(0) + FRAC_PI_2).abs() < 1e-12);
+        assert!((geometry.bearing_rad(2) - FRAC_PI_2).abs() < 1e-12);
+        assert_eq!(
+            log.tally().notes,
+            ["ranges without bearings, taken as half a turn ahead"]
+        );
+    }
+
+    #[test]
+    fn ranges_of_other_programs_need_their_bearings() {
+        for text in [
+            "{\"ranges\": [1, 2, 3]}\n",
+            "{\"ranges_m\": [1, 2, 3], \"step_rad\": 0.1}\n",
+        ] {
+            let all = entries(text);
+            assert!(
+                matches!(&all[..], [Entry::Bad(bad)] if bad.fault.to_string().starts_with("no bearings")),
+                "{all:?}"
+            );
+        }
     }
 
     #[test]
     fn what_is_written_is_read() {
-        let all = entries(
-            "{\"ranges_m\":[1,2],\"step_rad\":0.5,\"stamp_s\":3.5,\"odometry\":[1,2,0.5],\"new\":1}\n",
-        );
-        let Entry::Scan(scan) = &all[0] else {
+        let text = "{\"ranges_m\":[1.0,null,2.0],\"first_bearing_rad\":-0.5,\"step_rad\":0.5,\
+            \"stamp_s\":3.5,\"odometry\":[1.0,2.0,0.5]}\n";
+        let all = entries(text);
+        let [Entry::Scan(scan)] = &all[..] else {
             panic!("{all:?}");
         };
-        let mut text = Vec::new();
-        write_json_line(&mut text, scan).unwrap();
-        let expected = "{\"ranges_m\":[1.0,2.0],\"first_bearing_rad\":-1.5707963267948966,\"step_rad\":0.5,\
-             \"stamp_s\":3.5,\"odometry\":[1.0,2.0,0.5]}\n";
-        assert_eq!(String::from_utf8(text).unwrap(), expected);
+        let mut written = Vec::new();
+        write_json_line(&mut written, scan).unwrap();
+        assert_eq!(String::from_utf8(written).unwrap(), text);
     }
 
     #[test]
     fn a_bad_line_costs_one_scan_and_says_why() {
         let all = entries(
-            "{\"ranges_m\":[1,2]}\n{\"ranges_m\":[1,\n{\"ranges_m\":[]}\n{\"ranges_m\":[1,1,1],\"step_rad\":9}\n{\"ranges_m\":[1]}\n",
+            "{\"ranges_m\":[1,2]}\n{\"ranges_m\":[1,\n{\"ranges_m\":[]}\n\
+             {\"ranges_m\":[1,1,1],\"first_bearing_rad\":0,\"step_rad\":9}\n{\"ranges_m\":[1]}\n",
         );
         let faults: Vec<String> = all
             .iter()
@@ -233,7 +318,7 @@ mod tests {
             })
             .collect();
         assert_eq!((all.len(), faults.len()), (5, 3));
-        assert!(faults[0].starts_with("2: no scan in JSON: EOF"), "{}", faults[0]);
+        assert!(faults[0].starts_with("2: no JSON object: EOF"), "{}", faults[0]);
         assert!(faults[1].contains("0 ranges"), "{}", faults[1]);
         assert!(faults[2].contains("9 rad"), "{}", faults[2]);
     }

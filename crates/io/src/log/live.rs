@@ -5,38 +5,45 @@
 
 use std::io::{BufRead, Read};
 
-use super::{FORMATS, Log, LogError, ReadOptions, open_input};
+use super::{Log, LogError, ReadOptions, format_of, open_input};
+use crate::compression::unpacked;
 use crate::input::Input;
 use crate::lines::MAX_LINE_BYTES;
 
 /// Lines of comments and other messages before the first scan that are waited for.
 const MOST_HEAD_BYTES: usize = 256 * 1024;
 
-/// Opens text that comes bit by bit, not packed, in any format whose first lines tell it; `name` is for messages.
+/// The head is looked at again when it has grown by this part of itself: line after line while it is small, and yet no
+/// more than some hundred times until it is [`MOST_HEAD_BYTES`] long.
+const LOOK_AGAIN: usize = 64;
+
+/// Opens a log that comes bit by bit, in any format whose first lines tell it; `name` is for messages.
 ///
 /// # Errors
 /// Nothing in it, the stream breaks, or content that is no known log.
-pub fn open_live(
-    name: &str,
-    mut stream: impl BufRead + 'static,
-    options: ReadOptions,
-) -> Result<Log, LogError> {
+pub fn open_live(name: &str, stream: impl BufRead + 'static, options: ReadOptions) -> Result<Log, LogError> {
     let name = name.to_owned();
-    let mut head = Vec::new();
+    let unreadable = |source| LogError::Unreadable {
+        name: name.clone(),
+        source,
+    };
+    let (mut stream, _) = unpacked(Box::new(stream)).map_err(unreadable)?;
+    let (mut head, mut look_at) = (Vec::new(), 0);
     loop {
         let read = (&mut stream)
             .take(MAX_LINE_BYTES as u64)
             .read_until(b'\n', &mut head)
-            .map_err(|source| LogError::Unreadable {
-                name: name.clone(),
-                source,
-            })?;
+            .map_err(unreadable)?;
         if head.is_empty() {
             return Err(LogError::Empty { name });
         }
-        let known = FORMATS.iter().any(|f| (f.recognise)(&head));
+        if read > 0 && head.len() < look_at {
+            continue;
+        }
+        look_at = head.len() + head.len() / LOOK_AGAIN;
+        let known = format_of(&head, &options).is_some();
         if known || read == 0 || head.len() > MOST_HEAD_BYTES {
-            return open_input(Input::begun(name, head, Box::new(stream)), options);
+            return open_input(Input::begun(name, head, stream), &options);
         }
     }
 }

@@ -38,9 +38,8 @@ export class Panel {
     this.scan.replaceChildren(...(frame ? this.scanParts(frame, detail) : [waiting()]));
     this.map.replaceChildren(figures(this.mapRows(totals)));
     const hypotheses = (frame && detail?.search?.hypotheses) || [];
-    const none = frame?.searched ? "Being fetched." : "This scan needed none: the motion so far settled its place.";
     this.search.replaceChildren(
-      hypotheses.length > 0 ? this.hypothesesTable(hypotheses) : element("p", { class: "note" }, none),
+      hypotheses.length > 0 ? this.hypothesesTable(hypotheses) : element("p", { class: "note" }, noSearch(frame, detail)),
     );
   }
 
@@ -164,6 +163,16 @@ function outcome(frame, placedNow) {
   if (frame.recognised !== undefined) return ["known", "place recognised"];
   if (frame.searched) return ["searched", "placed by search"];
   return ["good", frame.merged ? "placed, merged" : "placed"];
+}
+
+/**
+ * Why no poses are listed, in words.
+ * @param {Frame | undefined} frame
+ * @param {import("./details.js").Detail | undefined} detail
+ */
+function noSearch(frame, detail) {
+  if (!frame?.searched) return "This scan needed none: the motion so far settled its place.";
+  return detail ? "It was searched in a map of its own, which has no place in this one." : "Being fetched.";
 }
 
 /**

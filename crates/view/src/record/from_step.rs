@@ -145,7 +145,7 @@ fn returns(scan: &Scan) -> Vec<Vec<i64>> {
 fn words(reason: NotPlaced) -> &'static str {
     match reason {
         NotPlaced::TooFewReturns => "too few returns on polylines",
-        NotPlaced::NoMatch => "no pose agrees with the map",
+        NotPlaced::SeparateSubmap => "in a map of its own, not recognised in the main one yet",
     }
 }
 

@@ -149,7 +149,7 @@ mod tests {
         shown.push(None);
         shown.push(Some([1.0, 2.0, 0.0]));
         let lost = Outcome::NotPlaced {
-            reason: polymapper_core::mapper::NotPlaced::NoMatch,
+            reason: polymapper_core::mapper::NotPlaced::SeparateSubmap,
         };
         let moved = shown
             .change_to(&[placed(Pose::new(3.0, 0.0, 0.5)), lost])

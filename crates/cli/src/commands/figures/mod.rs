@@ -31,9 +31,9 @@ pub fn run(args: &FiguresArgs) -> anyhow::Result<Finish> {
     prepare_folder(&args.output)?;
     let options = ReadOptions {
         use_odometry: true,
-        laser: args.laser.clone(),
+        ..args.log.read_options()
     };
-    let mut log = scans::open(&args.log, options)?;
+    let mut log = scans::open(&args.log.log, options)?;
     let survey = Survey::take(&mut log, &Interrupt::listen()?)?;
     // Wrong numbers of scans are told before anything is written.
     let chosen = args.scan.map(|k| survey.number(k)).transpose()?;

@@ -74,7 +74,7 @@ pub fn run(args: &ViewArgs) -> anyhow::Result<Finish> {
 fn read_options(args: &ViewArgs) -> ReadOptions {
     ReadOptions {
         use_odometry: args.use_odometry,
-        laser: args.laser.clone(),
+        ..args.reading.read_options()
     }
 }
 

@@ -2,11 +2,9 @@
 
 use std::str::SplitAsciiWhitespace;
 
-use polymapper_core::geometry::Pose;
-
 use super::MAX_BEAMS;
 use crate::log::LineFault;
-use crate::log::error::excerpt;
+use crate::log::number::{not_a_number, number};
 
 /// Reads field after field; each method says what is missing or wrong.
 #[derive(Clone)]
@@ -105,51 +103,5 @@ impl<'a> Fields<'a> {
     /// Everything that is left.
     pub fn remaining(self) -> SplitAsciiWhitespace<'a> {
         self.rest
-    }
-}
-
-pub(super) fn not_a_number(field: String, found: &str) -> LineFault {
-    LineFault::NotANumber {
-        field,
-        found: excerpt(found.as_bytes()),
-    }
-}
-
-/// The number that a field holds. Not-a-number and infinity are read in every spelling that C libraries
-/// print (`nan`, `-inf`, `-nan(ind)`, `1.#QNAN`).
-pub(super) fn number(text: &str) -> Option<f64> {
-    text.parse().ok().or_else(|| {
-        let unsigned = text.trim_start_matches(['+', '-']).to_ascii_lowercase();
-        (unsigned.starts_with("nan(") || unsigned.starts_with("1.#")).then_some(f64::NAN)
-    })
-}
-
-/// A stamp that is a usable number.
-pub(super) fn stamp_s(text: &str) -> Option<f64> {
-    number(text).filter(|s| s.is_finite())
-}
-
-/// The pose of three fields; `None` unless all are finite.
-pub(super) fn pose(fields: &[&str]) -> Option<Pose> {
-    let [x, y, theta] = fields else { return None };
-    let (x, y, theta) = (number(x)?, number(y)?, number(theta)?);
-    (x.is_finite() && y.is_finite() && theta.is_finite()).then(|| Pose::new(x, y, theta))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_spelling_of_no_number_is_read() {
-        for text in ["nan", "NaN", "-nan", "-nan(ind)", "1.#QNAN", "-1.#IND"] {
-            assert!(number(text).unwrap().is_nan(), "{text}");
-        }
-        for text in ["inf", "Inf", "-inf", "Infinity"] {
-            assert!(number(text).unwrap().is_infinite(), "{text}");
-        }
-        for text in ["", "1.2.3", "pippo", "0x10", "1,5"] {
-            assert_eq!(number(text), None, "{text}");
-        }
     }
 }

@@ -20,11 +20,12 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use polymapper_core::scan::{NoReturnCode, Scan, ScanGeometry};
+use polymapper_core::scan::{NoReturnCode, ScanGeometry};
 
-use super::LaserLine;
-use super::fields::{Fields, number, pose, stamp_s};
+use super::fields::Fields;
 use crate::log::LineFault;
+use crate::log::keeper::{Reading, note_once};
+use crate::log::number::{number, pose, stamp_s};
 
 /// Fields that stand after the ranges in every line: two poses.
 const POSE_FIELDS: usize = 6;
@@ -56,7 +57,7 @@ impl Layout {
         line: &str,
         use_odometry: bool,
         notes: &mut Vec<String>,
-    ) -> Result<LaserLine, LineFault> {
+    ) -> Result<Reading, LineFault> {
         let mut fields = Fields::new(line, POSE_FIELDS);
         let beams = fields.beam_count()?;
         let readings = fields.clone();
@@ -74,8 +75,9 @@ impl Layout {
         if let Some(from_m) = self.no_return.from_m() {
             geometry = geometry.with_limits(0.0, from_m);
         }
-        Ok(LaserLine {
-            scan: Scan::new(geometry, ranges_m)?,
+        Ok(Reading {
+            geometry,
+            ranges_m,
             stamp_s: tail.fields.get(POSE_FIELDS).and_then(|text| stamp_s(text)),
             odometry: if use_odometry {
                 pose(&tail.fields[3..POSE_FIELDS])
@@ -153,10 +155,7 @@ fn geometry(beams: usize, notes: &mut Vec<String>) -> Result<ScanGeometry, LineF
                 "{beams} beams a scan and no geometry in the log: taken as 180°, a beam every {:.4}°",
                 step_rad.to_degrees()
             );
-            const MAX_NOTES: usize = 16;
-            if notes.len() < MAX_NOTES && !notes.contains(&note) {
-                notes.push(note);
-            }
+            note_once(notes, note);
             step_rad
         }
     };

@@ -14,27 +14,10 @@ mod fields;
 mod flaser;
 mod robotlaser;
 
-use std::collections::BTreeMap;
-
-use polymapper_core::geometry::Pose;
-use polymapper_core::scan::Scan;
-
-use super::error::excerpt;
-use super::{BadScan, Entry, LineFault, LogError, LogScan, ReadOptions, ScanReader, Tally};
+use super::keeper::{Keeper, Reading};
+use super::{Entry, LineFault, LogError, MAX_BEAMS, ReadOptions, ScanReader, Tally, Unit};
 use crate::input::Input;
 use crate::lines::{Line, Lines, MAX_LINE_BYTES};
-
-/// More beams than any 2D scanner has a turn; keeps a hostile header from costing memory.
-const MAX_BEAMS: usize = 65_536;
-/// Kinds of other messages that are counted by name; a real log has about ten.
-const MAX_OTHER_KINDS: usize = 64;
-
-/// What a laser line holds, whatever its layout.
-struct LaserLine {
-    scan: Scan,
-    stamp_s: Option<f64>,
-    odometry: Option<Pose>,
-}
 
 /// The kinds of laser lines, in the order in which they are preferred.
 const KINDS: &[&str] = &[
@@ -54,8 +37,19 @@ const KINDS: &[&str] = &[
     "RAWLASER5",
 ];
 
-/// Messages that CARMEN and the tools around it write beside the lasers.
-const OTHER_KINDS: &[&str] = &["PARAM", "SYNC", "ODOM", "TRUEPOS", "NEFF"];
+/// Messages that CARMEN and the tools around it write beside the lasers, and the graphs (g2o, TORO) that lasers
+/// are put into.
+const OTHER_KINDS: &[&str] = &[
+    "PARAM",
+    "SYNC",
+    "ODOM",
+    "TRUEPOS",
+    "NEFF",
+    "VERTEX_SE2",
+    "EDGE_SE2",
+    "VERTEX2",
+    "EDGE2",
+];
 
 fn keyword(line: &[u8]) -> &[u8] {
     let end = line
@@ -78,9 +72,9 @@ pub(super) fn recognise(head: &[u8]) -> bool {
         })
 }
 
-pub(super) fn open(input: Input, options: ReadOptions) -> Result<Box<dyn ScanReader>, LogError> {
-    let laser = match options.laser {
-        Some(laser) => Some(laser),
+pub(super) fn open(input: Input, options: &ReadOptions) -> Result<Box<dyn ScanReader>, LogError> {
+    let laser = match &options.laser {
+        Some(laser) => Some(laser.clone()),
         None => preferred_laser(&input.head).map(str::to_owned),
     };
     Ok(Box::new(CarmenReader {
@@ -90,8 +84,8 @@ pub(super) fn open(input: Input, options: ReadOptions) -> Result<Box<dyn ScanRea
         laser,
         flaser: flaser::Layout::default(),
         ended: false,
-        last_stamp_s: None,
-        tally: Tally::default(),
+        keeper: Keeper::new(Unit::Line, options),
+        lines_before: 0,
     }))
 }
 
@@ -111,8 +105,9 @@ struct CarmenReader {
     laser: Option<String>,
     flaser: flaser::Layout,
     ended: bool,
-    last_stamp_s: Option<f64>,
-    tally: Tally,
+    keeper: Keeper,
+    /// Lines of the parts before this one.
+    lines_before: u64,
 }
 
 impl ScanReader for CarmenReader {
@@ -123,12 +118,13 @@ impl ScanReader for CarmenReader {
         loop {
             let line = match self.lines.next_line() {
                 Ok(Some(line)) => line,
-                Ok(None) => return self.end().map(Err),
+                Ok(None) => return None,
                 Err(source) => {
                     self.ended = true;
                     return Some(Err(LogError::Broken {
                         name: self.name.clone(),
                         line: self.lines.number(),
+                        unit: Unit::Line,
                         source,
                     }));
                 }
@@ -142,76 +138,30 @@ impl ScanReader for CarmenReader {
             }
             if self.laser.as_ref().is_some_and(|l| l.as_bytes() == word) {
                 let number = line.number;
-                let parsed = parse(&line, self.use_odometry, &mut self.flaser, &mut self.tally.notes);
-                return Some(Ok(self.entry(number, parsed)));
+                let notes = &mut self.keeper.tally.notes;
+                let parsed = parse(&line, self.use_odometry, &mut self.flaser, notes);
+                return Some(Ok(self.keeper.entry(number, parsed)));
             }
-            count_other(&mut self.tally.other_messages, word);
+            self.keeper.count_other(word);
         }
+    }
+
+    fn continue_with(&mut self, input: Input) -> Result<(), LogError> {
+        self.lines_before += self.lines.number();
+        input.name.clone_into(&mut self.name);
+        self.lines.continue_with(input.into_stream());
+        Ok(())
     }
 
     fn tally(&self) -> Tally {
         let mut tally = Tally {
-            lines: self.lines.number(),
+            lines: self.lines_before + self.lines.number(),
             bytes: self.lines.read_bytes(),
             laser: self.laser.clone(),
-            ..self.tally.clone()
+            ..self.keeper.tally.clone()
         };
         tally.notes.extend(self.flaser.note());
         tally
-    }
-}
-
-impl CarmenReader {
-    fn entry(&mut self, line: u64, parsed: Result<LaserLine, LineFault>) -> Entry {
-        let index = self.tally.scans + self.tally.bad_scans;
-        match parsed {
-            Ok(LaserLine {
-                scan,
-                stamp_s,
-                odometry,
-            }) => {
-                self.tally.scans += 1;
-                if let (Some(before), Some(now)) = (self.last_stamp_s, stamp_s) {
-                    self.tally.stamps_backwards += usize::from(now < before);
-                }
-                self.last_stamp_s = stamp_s.or(self.last_stamp_s);
-                Entry::Scan(LogScan {
-                    index,
-                    line,
-                    stamp_s,
-                    scan,
-                    odometry,
-                })
-            }
-            Err(fault) => {
-                self.tally.bad_scans += 1;
-                Entry::Bad(BadScan { index, line, fault })
-            }
-        }
-    }
-
-    /// The end of the log: an error when no laser line came.
-    fn end(&mut self) -> Option<LogError> {
-        self.ended = true;
-        if self.tally.scans + self.tally.bad_scans > 0 {
-            return None;
-        }
-        let held: Vec<String> = self
-            .tally
-            .other_messages
-            .iter()
-            .map(|(kind, n)| format!("{n} {kind}"))
-            .collect();
-        let others = if held.is_empty() {
-            String::new()
-        } else {
-            format!("; it holds {}", held.join(", "))
-        };
-        Some(LogError::NoScan {
-            name: self.name.clone(),
-            lines: self.lines.number(),
-            others,
-        })
     }
 }
 
@@ -220,7 +170,7 @@ fn parse(
     use_odometry: bool,
     flaser: &mut flaser::Layout,
     notes: &mut Vec<String>,
-) -> Result<LaserLine, LineFault> {
+) -> Result<Reading, LineFault> {
     if line.too_long {
         return Err(LineFault::TooLong {
             limit: MAX_LINE_BYTES,
@@ -232,18 +182,4 @@ fn parse(
     } else {
         flaser.parse(text, use_odometry, notes)
     }
-}
-
-fn count_other(counts: &mut BTreeMap<String, u64>, word: &[u8]) {
-    let known = std::str::from_utf8(word).ok().and_then(|w| counts.get_mut(w));
-    if let Some(count) = known {
-        *count += 1;
-        return;
-    }
-    let kind = if counts.len() < MAX_OTHER_KINDS {
-        excerpt(word)
-    } else {
-        "others".to_owned()
-    };
-    *counts.entry(kind).or_default() += 1;
 }

@@ -8,11 +8,12 @@
 //! (interlaced scanners). A negative resolution is a scanner that turns clockwise; it is turned round.
 //! Odometry is the laser's pose, `odometry_from_scan`.
 
-use polymapper_core::scan::{Scan, ScanGeometry};
+use polymapper_core::scan::ScanGeometry;
 
-use super::LaserLine;
-use super::fields::{Fields, pose, stamp_s};
+use super::fields::Fields;
 use crate::log::LineFault;
+use crate::log::keeper::Reading;
+use crate::log::number::{pose, stamp_s};
 
 /// Fields between the remission values and the stamp of a `ROBOTLASER` line: two poses, five of the robot.
 const ROBOT_FIELDS: usize = 11;
@@ -25,7 +26,7 @@ const MIN_STEP_RAD: f64 = 1e-6;
 ///
 /// # Errors
 /// A line that is cut, a header that does not fit the ranges, a field that is no number, impossible bearings.
-pub(super) fn parse(line: &str, use_odometry: bool) -> Result<LaserLine, LineFault> {
+pub(super) fn parse(line: &str, use_odometry: bool) -> Result<Reading, LineFault> {
     let robot_fields = if line.starts_with("ROBOT") {
         ROBOT_FIELDS
     } else {
@@ -49,8 +50,9 @@ pub(super) fn parse(line: &str, use_odometry: bool) -> Result<LaserLine, LineFau
         Err(fault) => return Err(why_not_whole(&readings, fields_at_end).unwrap_or(fault)),
     };
     let geometry = header.geometry(&mut ranges_m)?;
-    Ok(LaserLine {
-        scan: Scan::new(geometry, ranges_m)?,
+    Ok(Reading {
+        geometry,
+        ranges_m,
         stamp_s: stamp_s(end[robot_fields]),
         odometry: if use_odometry && robot_fields > 0 {
             pose(&end[..3])

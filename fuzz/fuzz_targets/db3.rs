@@ -1,0 +1,6 @@
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use polymapper_fuzz::{joined, read};
+
+fuzz_target!(|data: &[u8]| read(joined(b"SQLite format 3\0", data)));
