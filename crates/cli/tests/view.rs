@@ -32,7 +32,12 @@ struct Viewer {
 
 impl Viewer {
     fn start(source: &str) -> Self {
-        let mut child = command(&["view", "--port", "0", source])
+        Self::start_with(&[source])
+    }
+
+    /// `words`: options, and last the source.
+    fn start_with(words: &[&str]) -> Self {
+        let mut child = command(&[&["view", "--port", "0"], words].concat())
             .stdin(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
@@ -44,7 +49,7 @@ impl Viewer {
             address: String::new(),
             scans_at: String::new(),
         };
-        if source.starts_with("tcp:") {
+        if words.iter().any(|word| word.starts_with("tcp:")) {
             let line = viewer.line_with("scans are awaited at tcp:");
             viewer.scans_at = line.trim().rsplit_once("tcp:").unwrap().1.to_owned();
         }
@@ -180,4 +185,22 @@ fn what_cannot_be_shown_is_told_before_a_page_is_opened() {
         assert_eq!(output.status.code(), Some(1), "{talk}");
         assert!(talk.contains(words) && !talk.contains("http://"), "{talk}");
     }
+}
+
+#[test]
+fn a_text_log_is_played_and_shown_by_its_layout() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("run.csv").display().to_string();
+    std::fs::write(&log, "100,2000,1500,1000\n200,2000,1500,0\n").unwrap();
+    let layout = "stamp_ms range_mm*3 first_deg=-90 step_deg=90";
+    let output = command(&["play", &log, "--rate", "0", "--layout", layout])
+        .output()
+        .unwrap();
+    let lines = String::from_utf8(output.stdout).unwrap();
+    assert!(
+        lines.starts_with("{\"ranges_m\":[2.0,1.5,1.0],\"first_bearing_rad\":-1.57"),
+        "{lines}"
+    );
+    let viewer = Viewer::start_with(&["--layout", layout, &log]);
+    viewer.record_with("{\"end\":{\"partial\":null}}");
 }
