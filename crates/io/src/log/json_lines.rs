@@ -12,7 +12,7 @@
 //! | a bearing for each, radians | `bearings_rad`, `bearings`, `azimuth`, `angles` |
 //! | or the first and the step | `first_bearing_rad` or `angle_min`, `step_rad` or `angle_increment` |
 //! | stamp, seconds | `stamp_s`, `stamp`, `timestamp`, `time` |
-//! | limits, metres | `range_min` and `range_max`, or `rlim` with both |
+//! | limits, metres | `min_range_m` or `range_min`, `max_range_m` or `range_max`; or `rlim` with both |
 //! | pose of odometry, metres and radians | `odometry`, `[x, y, theta]` |
 //!
 //! `ranges_m` without any bearing looks half a turn ahead, from right to left, evenly spaced; that is noted. Under the
@@ -212,8 +212,8 @@ fn limits(object: &Map<String, Value>) -> (f64, f64) {
     match array(object, &["rlim"]).as_deref() {
         Some(&[min_m, max_m]) => (min_m, max_m),
         _ => (
-            number(object, &["range_min"]).unwrap_or(0.0),
-            number(object, &["range_max"]).unwrap_or(f64::INFINITY),
+            number(object, &["min_range_m", "range_min"]).unwrap_or(0.0),
+            number(object, &["max_range_m", "range_max"]).unwrap_or(f64::INFINITY),
         ),
     }
 }
@@ -289,6 +289,15 @@ mod tests {
                 "{all:?}"
             );
         }
+    }
+
+    #[test]
+    fn ranges_beyond_the_limits_are_no_returns() {
+        let all = entries("{\"ranges_m\": [0.1, 1, 9], \"min_range_m\": 0.2, \"max_range_m\": 8}\n");
+        assert!(
+            matches!(&all[..], [Entry::Scan(scan)] if scan.scan.returns() == 1),
+            "{all:?}"
+        );
     }
 
     #[test]
