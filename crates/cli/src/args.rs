@@ -1,6 +1,7 @@
 //! The command line.
 
 use std::convert::Infallible;
+use std::net::IpAddr;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -98,15 +99,28 @@ pub enum Command {
     Match(MatchArgs),
     /// Write a log of a made-up place, and the truth about it
     Simulate(SimulateArgs),
+    /// Watch a map grow in the browser
+    ///
+    /// Opens a page on this machine. SOURCE is
+    ///
+    ///   a log              mapped while you watch; then played back at will
+    ///   a folder           that `build` has written, played back
+    ///   -                  scans from standard input as they come: CARMEN lines or JSON lines
+    ///   tcp:[HOST:]PORT    the same from whoever connects to this port, one after the other
+    ///
+    /// A JSON line is {"ranges_m": [1.23, null, ..], "first_bearing_rad": -1.5708, "step_rad":
+    /// 0.0175, "stamp_s": 12.5}. Without the two angles the ranges look half a turn ahead.
+    #[command(verbatim_doc_comment)]
+    View(ViewArgs),
+    /// Write the scans of a log as JSON lines, at the pace at which they were recorded
+    Play(PlayArgs),
     /// Build a map of a real log that comes with the program
     Demo(DemoArgs),
 }
 
-/// Which log, and which laser in it.
+/// How a log is read.
 #[derive(clap::Args)]
-pub struct LogChoice {
-    /// Laser log, plain or packed, or a folder with its parts; `-` is standard input
-    pub log: PathBuf,
+pub struct ReadingChoice {
     /// Topic or kind of message to read, such as /scan or RLASER, where the log has several lasers [default: the best]
     #[arg(long, visible_alias = "topic", value_name = "NAME")]
     pub laser: Option<String>,
@@ -118,7 +132,7 @@ pub struct LogChoice {
     pub salvage: bool,
 }
 
-impl LogChoice {
+impl ReadingChoice {
     pub fn read_options(&self) -> ReadOptions {
         ReadOptions {
             laser: self.laser.clone(),
@@ -126,6 +140,21 @@ impl LogChoice {
             salvage: self.salvage,
             ..ReadOptions::default()
         }
+    }
+}
+
+/// Which log, and how it is read.
+#[derive(clap::Args)]
+pub struct LogChoice {
+    /// Laser log, plain or packed, or a folder with its parts; `-` is standard input
+    pub log: PathBuf,
+    #[command(flatten)]
+    pub reading: ReadingChoice,
+}
+
+impl LogChoice {
+    pub fn read_options(&self) -> ReadOptions {
+        self.reading.read_options()
     }
 }
 
@@ -155,6 +184,9 @@ pub struct BuildArgs {
     /// Folder for the map, the trajectory and the report; made if it is not there
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
+    /// Leave out replay.jsonl.gz and report.html
+    #[arg(long)]
+    pub no_replay: bool,
     /// Formats to write as well, as `export --to` does; those that want scans have them
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', value_parser = format_parser())]
     pub export: Vec<&'static ExportFormat>,
@@ -178,6 +210,42 @@ pub struct ConvertArgs {
     /// File to write
     #[arg(value_name = "OUT")]
     pub output: PathBuf,
+}
+
+#[derive(clap::Args)]
+pub struct ViewArgs {
+    /// Laser log, plain or packed, or a folder with its parts; folder of a build; `-`; or tcp:[HOST:]PORT
+    #[arg(value_name = "SOURCE")]
+    pub source: PathBuf,
+    #[command(flatten)]
+    pub reading: ReadingChoice,
+    /// Use the poses in the log (they are not read unless told)
+    #[arg(long)]
+    pub use_odometry: bool,
+    /// Port of the page; 0 takes any that is free
+    #[arg(long, value_name = "PORT", default_value_t = 7878)]
+    pub port: u16,
+    /// Address of the page; other machines can see it if this is not the local one
+    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1")]
+    pub host: IpAddr,
+    /// Open the page in the browser
+    #[arg(long)]
+    pub open: bool,
+}
+
+#[derive(clap::Args)]
+pub struct PlayArgs {
+    #[command(flatten)]
+    pub log: LogArgs,
+    /// Times the pace at which the log was recorded; 0 is as fast as possible
+    #[arg(long, value_name = "TIMES", default_value_t = 1.0)]
+    pub rate: f64,
+    /// Scans a second, whatever the stamps say
+    #[arg(long, value_name = "N", conflicts_with = "rate")]
+    pub hz: Option<f64>,
+    /// Where the lines go: `-` is standard output, tcp:HOST:PORT a connection
+    #[arg(short, long, value_name = "PLACE", default_value = "-")]
+    pub output: String,
 }
 
 #[derive(clap::Args)]

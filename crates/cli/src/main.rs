@@ -13,6 +13,8 @@ mod mapping;
 mod memory;
 mod pictures;
 mod progress;
+mod record;
+mod report_html;
 mod scans;
 mod shape_match;
 mod talk;
@@ -52,6 +54,8 @@ fn main() -> ExitCode {
         Command::Figures(args) => commands::figures::run(&args),
         Command::Match(args) => commands::match_scans::run(&args),
         Command::Simulate(args) => commands::simulate::run(&args),
+        Command::View(args) => commands::view::run(&args),
+        Command::Play(args) => commands::play::run(&args),
         Command::Demo(args) => commands::demo::run(&args),
     };
     match result {

@@ -1,22 +1,28 @@
 //! What `build` needs of a mapper, and the mapper of the core library in that role.
 
-use polymapper_core::geometry::Pose;
 use polymapper_core::map::Map;
 use polymapper_core::mapper::{self, Mapper, NotPlaced, Settings, Stage};
-use polymapper_core::scan::Scan;
+use polymapper_io::log::{BadScan, LogScan};
 use polymapper_io::out::Outcome;
 use serde_json::Value;
 
 use crate::clock::StageClock;
+use crate::record::{BuildRecord, Recorded};
 
 /// Scans in, map out.
 pub trait Mapping {
-    /// Takes the next scan. `odometry` is the pose that the log gives for it, only with `--use-odometry`.
-    /// Stages are entered on `clock` as they begin.
-    fn add_scan(&mut self, scan: &Scan, odometry: Option<Pose>, clock: &mut StageClock);
+    /// Takes the next scan. Its odometry is there only with `--use-odometry`. Stages are entered on `clock` as they
+    /// begin.
+    fn add_scan(&mut self, scan: &LogScan, clock: &mut StageClock) -> anyhow::Result<()>;
 
-    /// The map, and what became of every scan that was added, in their order.
-    fn finish(self, clock: &mut StageClock) -> Finished;
+    /// Takes note of a line without a usable scan.
+    fn skip(&mut self, _bad: &BadScan) -> anyhow::Result<()> {
+        Ok(())
+    }
+
+    /// The map, and what became of every scan that was added, in their order. `partial` says why the log was not read
+    /// to its end.
+    fn finish(self, partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished>;
 
     /// Every setting with its value, for the report.
     fn settings(&self) -> Value;
@@ -26,35 +32,63 @@ pub trait Mapping {
 pub struct Finished {
     pub map: Map,
     pub outcomes: Vec<Outcome>,
+    /// How the map came to be, if that was recorded.
+    pub recorded: Option<Recorded>,
 }
 
 /// The mapper of the core library.
 pub struct CoreMapping {
     mapper: Mapper,
     settings: Settings,
+    record: Option<BuildRecord>,
 }
 
 impl CoreMapping {
-    pub fn new(settings: Settings) -> Self {
+    /// A mapper that records what it does.
+    pub fn new(settings: Settings, record: Option<BuildRecord>) -> Self {
         Self {
             mapper: Mapper::new(settings),
             settings,
+            record,
         }
     }
 }
 
 impl Mapping for CoreMapping {
-    fn add_scan(&mut self, scan: &Scan, odometry: Option<Pose>, clock: &mut StageClock) {
-        self.mapper
-            .add_scan_watched(scan, odometry, &mut |stage| clock.enter(stage.name()));
+    fn add_scan(&mut self, scan: &LogScan, clock: &mut StageClock) -> anyhow::Result<()> {
+        let step = self
+            .mapper
+            .add_scan_watched(&scan.scan, scan.odometry, &mut |stage| clock.enter(stage.name()));
+        if let Some(record) = &mut self.record {
+            clock.enter("record");
+            record.step(&self.mapper, scan, &step)?;
+        }
+        Ok(())
     }
 
-    fn finish(self, clock: &mut StageClock) -> Finished {
-        clock.enter(Stage::Finish.name());
-        Finished {
-            map: self.mapper.map(),
-            outcomes: self.mapper.outcomes().iter().map(outcome).collect(),
+    fn skip(&mut self, bad: &BadScan) -> anyhow::Result<()> {
+        match &mut self.record {
+            Some(record) => record.skip(bad),
+            None => Ok(()),
         }
+    }
+
+    fn finish(self, partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished> {
+        clock.enter(Stage::Finish.name());
+        let map = self.mapper.map();
+        let outcomes = self.mapper.outcomes();
+        let recorded = match self.record {
+            Some(record) => {
+                clock.enter("record");
+                Some(record.finish(&map, &outcomes, partial)?)
+            }
+            None => None,
+        };
+        Ok(Finished {
+            map,
+            outcomes: outcomes.iter().map(outcome).collect(),
+            recorded,
+        })
     }
 
     fn settings(&self) -> Value {

@@ -60,7 +60,7 @@ fn the_demo_leaves_every_file_and_says_where_the_picture_is() {
     let placed = report["scans"]["placed"].as_u64().unwrap() as usize;
     assert_eq!(read(&out, "trajectory.csv").lines().count(), 1 + 300);
     assert_eq!(read(&out, "trajectory.tum").lines().count(), placed);
-    assert_eq!(fs::read_dir(&out).unwrap().count(), 6, "no drafts are left");
+    assert_eq!(fs::read_dir(&out).unwrap().count(), 8, "no drafts are left");
 }
 
 #[test]
@@ -81,7 +81,48 @@ fn the_poses_of_the_log_are_not_read_and_the_bytes_are_the_same_twice() {
     for name in ["map.json", "map.svg", "trajectory.csv", "trajectory.tum"] {
         assert!(read(&with, name) == read(&without, name), "{name} differs");
     }
-    assert!(fs::read(with.join("map.png")).unwrap() == fs::read(without.join("map.png")).unwrap());
+    for name in ["map.png", "replay.jsonl.gz"] {
+        assert!(
+            fs::read(with.join(name)).unwrap() == fs::read(without.join(name)).unwrap(),
+            "{name} differs"
+        );
+    }
+}
+
+#[test]
+fn the_report_is_one_file_that_does_not_tell_where_the_log_lay() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, out) = (folder.path().join("killian.log.gz"), folder.path().join("out"));
+    fs::copy(sample(), &log).unwrap();
+    build(&log, &out);
+    let page = read(&out, "report.html");
+    assert!(page.contains("<title>killian.log.gz – polymapper</title>"));
+    assert!(!page.contains(&folder.path().display().to_string()));
+    for outside in ["http://", "https://", "src=\"", "url("] {
+        let text = page.replace("http://www.w3.org/2000/svg", "");
+        assert!(!text.contains(outside), "{outside}");
+    }
+    assert!(page.len() < 300_000, "{} bytes", page.len());
+}
+
+#[test]
+fn without_a_replay_there_is_none_and_nothing_else_is_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().display().to_string();
+    polymapper(&[
+        "build",
+        "--no-replay",
+        &sample().display().to_string(),
+        "-o",
+        &out,
+    ]);
+    assert!(!folder.path().join("report.html").exists());
+    assert!(!folder.path().join("replay.jsonl.gz").exists());
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 6);
+    let output = polymapper(&["view", &out]);
+    let talk = String::from_utf8(output.stderr).unwrap();
+    assert!(talk.contains("build it again without --no-replay"), "{talk}");
+    assert_eq!(output.status.code(), Some(1));
 }
 
 /// The line with 9 in its six pose fields, which stand 14 to 9 fields before the end.

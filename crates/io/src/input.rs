@@ -121,6 +121,18 @@ impl Input {
         })
     }
 
+    /// Takes a stream of which the first part has been read: one that is live cannot be waited for.
+    pub fn begun(name: String, head: Vec<u8>, rest: Box<dyn BufRead>) -> Self {
+        Self {
+            name,
+            head,
+            rest,
+            progress: ReadProgress::default(),
+            compression: None,
+            path: None,
+        }
+    }
+
     /// The file itself, where it is one and not packed.
     pub fn plain_file(&self) -> Option<&Path> {
         self.path.as_deref().filter(|_| self.compression.is_none())

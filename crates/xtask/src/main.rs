@@ -1,5 +1,6 @@
 //! Chores of the workspace: `cargo xtask ci` runs everything that CI runs, in the same order.
 
+mod page;
 mod pictures;
 
 use std::env;
@@ -12,10 +13,12 @@ use anyhow::{Context, bail, ensure};
 /// Exit code of `polymapper` when the work is done, but scans were not placed.
 const DONE_WITH_LOSS: i32 = 3;
 /// Files that a build must leave.
-const RESULT: [&str; 6] = [
+const RESULT: [&str; 8] = [
     "map.json",
     "map.png",
     "map.svg",
+    "replay.jsonl.gz",
+    "report.html",
     "report.json",
     "trajectory.csv",
     "trajectory.tum",
@@ -25,9 +28,10 @@ fn main() -> ExitCode {
     let chore = match env::args().nth(1).as_deref() {
         Some("ci") => ci,
         Some("smoke") => smoke,
+        Some("page") => page::check,
         Some("pictures") => pictures::draw,
         _ => {
-            eprintln!("usage: cargo xtask ci | smoke | pictures");
+            eprintln!("usage: cargo xtask ci | smoke | page | pictures");
             return ExitCode::from(2);
         }
     };
@@ -40,7 +44,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Format, lints, tests, documentation, and a map of the sample.
+/// Format, lints, tests, documentation, a map of the sample, and the page in a browser.
 fn ci() -> anyhow::Result<()> {
     cargo(&["fmt", "--all", "--check"])?;
     cargo(&[
@@ -54,7 +58,8 @@ fn ci() -> anyhow::Result<()> {
     ])?;
     cargo(&["test", "--workspace", "--locked"])?;
     cargo(&["doc", "--workspace", "--no-deps", "--locked"])?;
-    smoke()
+    smoke()?;
+    page::check()
 }
 
 /// Builds the map of the sample log into a folder that is thrown away.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use anyhow::Context;
 
-use crate::polymapper;
+use crate::{page, polymapper};
 
 const FOLDER: &str = "docs/pictures";
 const SAMPLE: &str = "samples/killian.log.gz";
@@ -22,7 +22,8 @@ pub fn draw() -> anyhow::Result<()> {
     keep(&demo.join("map.png"), "killian.png")?;
     ["fig1.png", "fig2.png", "fig3.png", "fig4.png"]
         .into_iter()
-        .try_for_each(|name| keep(&figures.join(name), name))
+        .try_for_each(|name| keep(&figures.join(name), name))?;
+    page::draw(Path::new(FOLDER))
 }
 
 fn keep(drawn: &Path, name: &str) -> anyhow::Result<()> {

@@ -23,18 +23,24 @@ use crate::clock::StageClock;
 use crate::exports::{ExportChoice, Exported, KeptScans, use_scans, write_all};
 use crate::interrupt::Interrupt;
 use crate::mapping::{CoreMapping, Mapping};
+use crate::record::BuildRecord;
 use crate::scans::{self, Reading};
 use crate::talk::say;
-use crate::{Finish, memory, pictures};
+use crate::{Finish, memory, pictures, report_html};
 
 /// Runs the command.
 pub fn run(args: &BuildArgs) -> anyhow::Result<Finish> {
     prepare_folder(&args.output)?;
     let log = scans::open(&args.log.choice.log, args.log.read_options())?;
     let odometry_used = args.log.use_odometry;
+    let record = if args.no_replay {
+        None
+    } else {
+        Some(BuildRecord::create(&args.output, log.name())?)
+    };
     build(
         log,
-        CoreMapping::new(Settings::default()),
+        CoreMapping::new(Settings::default(), record),
         &args.output,
         odometry_used,
         &Interrupt::listen()?,
@@ -65,20 +71,25 @@ pub fn build(
     let mut kept = KeptScans::default();
     let mut clock = StageClock::new(&["read"]);
     let mut lines = Vec::new();
+    let mut returns = 0;
     clock.enter("read");
     let reading = scans::for_each(&mut log, interrupt, |entry| {
         lines.push(LaserLine::of(&entry));
-        if let Entry::Scan(scan) = entry {
-            mapper.add_scan(&scan.scan, scan.odometry, &mut clock);
-            clock.enter("read");
-            if keep_scans {
-                kept.0.push((scan.index, scan.scan));
+        match entry {
+            Entry::Scan(scan) => {
+                returns += scan.scan.returns();
+                mapper.add_scan(&scan, &mut clock)?;
+                clock.enter("read");
+                if keep_scans {
+                    kept.0.push((scan.index, scan.scan));
+                }
             }
+            Entry::Bad(bad) => mapper.skip(&bad)?,
         }
         Ok(())
     })?;
     let settings = mapper.settings();
-    let finished = mapper.finish(&mut clock);
+    let finished = mapper.finish(reading.partial.as_deref(), &mut clock)?;
     clock.enter("write");
     let rows = trajectory(lines, finished.outcomes)?;
     write_result(folder, &finished.map, &rows, reading.partial.as_deref())?;
@@ -109,6 +120,9 @@ pub fn build(
         notes: reading.tally.notes.clone(),
     };
     AtomicFile::write(&folder.join("report.json"), |f| report.write(f))?;
+    if let Some(recorded) = finished.recorded {
+        report_html::write(folder, &report, &finished.map, returns, recorded)?;
+    }
     tell(&report, &reading, folder);
     Ok(Finish::with_loss(
         reading.has_loss() || report.scans.not_placed > 0,
@@ -227,6 +241,10 @@ fn tell(report: &Report, reading: &Reading, folder: &Path) {
         folder.join("map.json").display()
     ));
     say(format_args!("picture: {}", folder.join(pictures::PNG).display()));
+    let page = folder.join(report_html::FILE);
+    if page.exists() {
+        say(format_args!("report: {}", page.display()));
+    }
     for (reason, count) in &scans.not_placed_by_reason {
         say(format_args!("not placed: {count} ({reason})"));
     }
@@ -241,8 +259,7 @@ mod tests {
 
     use polymapper_core::geometry::{Point, Pose};
     use polymapper_core::map::{MapPolyline, MapVertex};
-    use polymapper_core::scan::Scan;
-    use polymapper_io::log::ReadOptions;
+    use polymapper_io::log::{LogScan, ReadOptions};
     use polymapper_io::out::read_map;
 
     use super::*;
@@ -256,9 +273,9 @@ mod tests {
     }
 
     impl Mapping for Rail {
-        fn add_scan(&mut self, scan: &Scan, _odometry: Option<Pose>, clock: &mut StageClock) {
+        fn add_scan(&mut self, scan: &LogScan, clock: &mut StageClock) -> anyhow::Result<()> {
             clock.enter("map");
-            self.outcomes.push(match scan.returns() {
+            self.outcomes.push(match scan.scan.returns() {
                 0 => Outcome::NotPlaced {
                     reason: "no returns".to_owned(),
                 },
@@ -271,9 +288,10 @@ mod tests {
             {
                 interrupt.ask();
             }
+            Ok(())
         }
 
-        fn finish(self, clock: &mut StageClock) -> Finished {
+        fn finish(self, _partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished> {
             clock.enter("finish");
             let vertex = |x, y| MapVertex {
                 point: Point::new(x, y),
@@ -284,13 +302,14 @@ mod tests {
                 id: 1,
                 vertices: vec![vertex(0.0, 0.0), vertex(3.0, 4.0)],
             };
-            Finished {
+            Ok(Finished {
                 map: Map {
                     polylines: vec![wall],
                     eraser_boxes: Vec::new(),
                 },
                 outcomes: self.outcomes,
-            }
+                recorded: None,
+            })
         }
 
         fn settings(&self) -> serde_json::Value {

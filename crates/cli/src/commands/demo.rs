@@ -9,6 +9,7 @@ use crate::args::DemoArgs;
 use crate::commands::build::{Also, build};
 use crate::interrupt::Interrupt;
 use crate::mapping::CoreMapping;
+use crate::record::BuildRecord;
 use crate::talk::say;
 
 /// Where it comes from and who made it: `samples/README.md`.
@@ -21,9 +22,10 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<Finish> {
         "300 scans of the MIT Killian Court log by M. Bosse and J. Leonard (PyPI rtb-data, MIT licence)"
     ));
     let log = log::open_bytes("MIT Killian Court, 300 scans", SAMPLE, ReadOptions::default())?;
+    let record = BuildRecord::create(&args.output, log.name())?;
     build(
         log,
-        CoreMapping::new(Settings::default()),
+        CoreMapping::new(Settings::default(), Some(record)),
         &args.output,
         false,
         &Interrupt::listen()?,

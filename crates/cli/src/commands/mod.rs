@@ -9,4 +9,6 @@ pub mod figures;
 pub mod import;
 pub mod inspect;
 pub mod match_scans;
+pub mod play;
 pub mod simulate;
+pub mod view;

@@ -17,6 +17,7 @@ mod error;
 mod folder;
 mod json_lines;
 mod keeper;
+mod live;
 mod mcap;
 mod number;
 mod rawlog;
@@ -32,6 +33,8 @@ use crate::input::Input;
 pub use crate::input::ReadProgress;
 pub use columns::{Layout, LayoutError};
 pub use error::{LineFault, LogError, Unit};
+pub use json_lines::write_json_line;
+pub use live::open_live;
 
 /// More beams than any 2D scanner has a turn; keeps a hostile header from costing memory.
 const MAX_BEAMS: usize = 65_536;

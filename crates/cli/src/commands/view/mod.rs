@@ -1,0 +1,92 @@
+//! `polymapper view`: watch a map grow in the browser.
+//!
+//! The page is served before the first scan is read. A log or a stream is mapped here, on this thread; a folder is read
+//! from its replay. When all is read, the page stays until Ctrl-C.
+
+mod browser;
+mod follow;
+mod stream;
+
+use std::thread;
+use std::time::Duration;
+
+use anyhow::Context;
+use polymapper_io::log::ReadOptions;
+use polymapper_view::replay::read_replay;
+use polymapper_view::server::Server;
+use polymapper_view::{Recorder, Snapshots, Store};
+
+use crate::Finish;
+use crate::args::ViewArgs;
+use crate::interrupt::Interrupt;
+use crate::record::GENERATOR;
+use crate::scans;
+use crate::talk::say;
+use follow::Follower;
+use stream::Source;
+
+/// Share of the time that goes into the map of all scans, while it is watched.
+const MAP_SHARE: f64 = 0.2;
+/// How long a live scan may wait for it.
+const LIVE_WAIT: Duration = Duration::from_millis(50);
+/// A scan of a log may wait: it is not live.
+const LOG_WAIT: Duration = Duration::from_secs(5);
+/// How often it is looked whether Ctrl-C was pressed.
+const LOOK_AGAIN: Duration = Duration::from_millis(100);
+
+/// Runs the command.
+pub fn run(args: &ViewArgs) -> anyhow::Result<Finish> {
+    let interrupt = Interrupt::listen()?;
+    let store = Store::default();
+    // A wrong name is to be told before a page is opened.
+    let source = Source::of(&args.source, read_options(args))?;
+    let server = Server::start(args.host, args.port, store.clone())?;
+    let url = server.url();
+    say(format_args!("watch it at {url} (Ctrl-C ends)"));
+    if args.open {
+        browser::open(&url);
+    }
+    let finish = match source {
+        Source::Replay { file, name } => {
+            read_replay(file, &store).context(name)?;
+            Finish::Whole
+        }
+        Source::Log(mut log) => {
+            let mut follower = follower(log.name(), store, LOG_WAIT)?;
+            let reading = scans::for_each(&mut log, &interrupt, |entry| follower.take(&entry))?;
+            follower.finish(reading.partial.clone())?;
+            Finish::with_loss(reading.has_loss())
+        }
+        Source::Stream(stream) => {
+            let mut follower = follower(stream.name(), store, LIVE_WAIT)?;
+            let (partial, loss) = stream.each(&interrupt, &mut follower)?;
+            follower.finish(partial)?;
+            Finish::with_loss(loss)
+        }
+    };
+    say(format_args!("all is read; the page stays until Ctrl-C"));
+    while !interrupt.asked() {
+        thread::sleep(LOOK_AGAIN);
+    }
+    Ok(finish)
+}
+
+fn read_options(args: &ViewArgs) -> ReadOptions {
+    ReadOptions {
+        use_odometry: args.use_odometry,
+        ..args.reading.read_options()
+    }
+}
+
+fn follower(name: &str, store: Store, longest: Duration) -> anyhow::Result<Follower> {
+    let snapshots = Snapshots::Share {
+        share: MAP_SHARE,
+        longest,
+    };
+    Ok(Follower::new(Recorder::new(
+        store,
+        &scans::short_name(name),
+        GENERATOR,
+        snapshots,
+    )?))
+}

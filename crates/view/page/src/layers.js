@@ -1,0 +1,91 @@
+// What can be shown and hidden.
+
+import { element } from "./dom.js";
+
+/**
+ * @typedef {"map" | "scan" | "pairs" | "arcs" | "hypotheses" | "virtual" | "boxes" | "moving" | "way" | "closures"
+ *   | "ellipses"} Layer
+ *
+ * @typedef {object} LayerInfo
+ * @property {Layer} id
+ * @property {string} key
+ * @property {string} name
+ * @property {string} title
+ * @property {boolean} on At first.
+ * @property {boolean} detail Whether it needs details, which a report does not hold.
+ */
+
+/** @type {LayerInfo[]} */
+export const LAYERS = [
+  { id: "map", key: "1", name: "Map", title: "Walls of the map, and in grey what was merged since it was made", on: true, detail: false },
+  { id: "scan", key: "2", name: "Scan", title: "Returns and polylines of the scan", on: true, detail: true },
+  { id: "pairs", key: "3", name: "Matched pairs", title: "Polylines matched by shape, as dashed lines: with the virtual scan where there was a search, else with a scan from a metre away", on: false, detail: true },
+  { id: "arcs", key: "4", name: "Arcs", title: "Maximal convex arcs of the scan's polylines", on: false, detail: true },
+  { id: "hypotheses", key: "5", name: "Hypotheses", title: "Poses that were thought of", on: true, detail: true },
+  { id: "virtual", key: "6", name: "Virtual scan", title: "The part of the map that the scan was matched with", on: false, detail: true },
+  { id: "way", key: "7", name: "Way of the scanner", title: "By the share of beams that agree with the map", on: true, detail: false },
+  { id: "closures", key: "8", name: "Closures", title: "Places that were recognised", on: true, detail: false },
+  { id: "ellipses", key: "9", name: "Uncertainty", title: "Standard deviation of the place, 20 times enlarged; a bar where the walls leave a direction open", on: false, detail: false },
+  { id: "boxes", key: "0", name: "Eraser boxes", title: "Where nothing is merged: no stable shape", on: true, detail: false },
+  { id: "moving", key: "o", name: "Moving objects", title: "What was found to move, and left out of the map", on: true, detail: false },
+];
+
+export class Layers {
+  /**
+   * @param {HTMLElement} list
+   * @param {boolean} hasDetails
+   * @param {() => void} changed
+   */
+  constructor(list, hasDetails, changed) {
+    this.version = 0;
+    this.changed = changed;
+    /** @type {Map<Layer, HTMLInputElement>} */
+    this.boxes = new Map();
+    for (const layer of LAYERS) {
+      if (layer.detail && !hasDetails) continue;
+      const box = /** @type {HTMLInputElement} */ (
+        element("input", { type: "checkbox", id: `layer-${layer.id}`, "data-layer": layer.id })
+      );
+      box.checked = layer.on;
+      box.addEventListener("change", () => this.touch());
+      this.boxes.set(layer.id, box);
+      list.append(
+        element(
+          "li",
+          {},
+          element(
+            "label",
+            { title: layer.title },
+            box,
+            element("span", { class: `swatch swatch-${layer.id}`, "aria-hidden": "true" }),
+            element("span", { class: "layer-name" }, layer.name),
+            element("kbd", {}, layer.key.toUpperCase()),
+          ),
+        ),
+      );
+    }
+  }
+
+  /** @param {Layer} id */
+  shows(id) {
+    return this.boxes.get(id)?.checked ?? false;
+  }
+
+  /**
+   * Shows or hides the layer of a key; whether there is one.
+   * @param {string} key
+   */
+  toggleByKey(key) {
+    const layer = LAYERS.find((l) => l.key === key);
+    const box = layer && this.boxes.get(layer.id);
+    if (!box) return false;
+    box.checked = !box.checked;
+    this.touch();
+    return true;
+  }
+
+  touch() {
+    this.version += 1;
+    this.changed();
+  }
+}
