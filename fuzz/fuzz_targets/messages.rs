@@ -1,5 +1,7 @@
 #![no_main]
 
+use std::sync::LazyLock;
+
 use libfuzzer_sys::fuzz_target;
 use polymapper_fuzz::read;
 
@@ -15,8 +17,8 @@ const CHANNELS: &[(&str, &str, &str)] = &[
     ("/odom1", "nav_msgs/Odometry", "ros1"),
 ];
 
-// Input: channel, length (two bytes), message, again and again. It is put into an MCAP file without chunks.
-fuzz_target!(|data: &[u8]| {
+/// The file before its first message: magic, header, channels.
+static START: LazyLock<Vec<u8>> = LazyLock::new(|| {
     let mut file = b"\x89MCAP0\r\n".to_vec();
     record(&mut file, 1, &[texts(&["ros2"]), texts(&["fuzz"])].concat());
     for (id, (topic, kind, encoding)) in (1_u16..).zip(CHANNELS) {
@@ -29,6 +31,12 @@ fuzz_target!(|data: &[u8]| {
         channel.extend(0_u32.to_le_bytes());
         record(&mut file, 4, &channel);
     }
+    file
+});
+
+// Input: channel, length (two bytes), message, again and again. It is put into an MCAP file without chunks.
+fuzz_target!(|data: &[u8]| {
+    let mut file = START.clone();
     let mut rest = data;
     while let [channel, low, high, after @ ..] = rest {
         let length = usize::from(u16::from_le_bytes([*low, *high])).min(after.len());
