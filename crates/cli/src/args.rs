@@ -7,7 +7,12 @@ use std::str::FromStr;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand};
 use polymapper_io::log::{Layout, ReadOptions};
+use polymapper_io::out::formats::ExportFormat;
 use polymapper_sim::{PlanKind, ScannerKind};
+
+use crate::commands::export::ExportArgs;
+use crate::commands::import::ImportArgs;
+use crate::exports::{ExportChoice, format_parser};
 
 /// A polygonal map from 2D laser scans, without odometry.
 #[derive(Parser)]
@@ -36,6 +41,17 @@ pub enum Command {
     /// of odometry are kept. Ranges, bearings and stamps keep every bit in CARMEN; MCAP holds
     /// single precision, as LaserScan does.
     Convert(ConvertArgs),
+    /// Write a finished map in the formats of other programs
+    ///
+    /// The files are named after the map, with an ending for each format. A format that cannot
+    /// do without the trajectory, the scans or a place on Earth says so.
+    Export(ExportArgs),
+    /// Read back a map that was exported and edited by hand
+    ///
+    /// SVG, DXF, JSON-FG and GeoJSON are known by their content. Lines that still carry their id
+    /// keep it, new ones get the next free one. What is no line is left out and counted, and the
+    /// exit code is 3.
+    Import(ImportArgs),
     /// Write the polylines of every scan, one JSON object a line
     Extract(ExtractArgs),
     /// Draw the figures of the paper from a log
@@ -139,6 +155,11 @@ pub struct BuildArgs {
     /// Folder for the map, the trajectory and the report; made if it is not there
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
+    /// Formats to write as well, as `export --to` does; those that want scans have them
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',', value_parser = format_parser())]
+    pub export: Vec<&'static ExportFormat>,
+    #[command(flatten)]
+    pub choice: ExportChoice,
 }
 
 #[derive(clap::Args)]

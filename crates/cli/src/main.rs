@@ -7,6 +7,7 @@
 mod args;
 mod clock;
 mod commands;
+mod exports;
 mod interrupt;
 mod mapping;
 mod memory;
@@ -45,6 +46,8 @@ fn main() -> ExitCode {
         Command::Build(args) => commands::build::run(&args),
         Command::Inspect(args) => commands::inspect::run(&args),
         Command::Convert(args) => commands::convert::run(&args),
+        Command::Export(args) => commands::export::run(&args),
+        Command::Import(args) => commands::import::run(&args),
         Command::Extract(args) => commands::extract::run(&args),
         Command::Figures(args) => commands::figures::run(&args),
         Command::Match(args) => commands::match_scans::run(&args),

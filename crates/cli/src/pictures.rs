@@ -5,7 +5,7 @@ use std::path::Path;
 
 use polymapper_core::geometry::Pose;
 use polymapper_core::map::Map;
-use polymapper_draw::{TrajectoryPoint, map_picture, to_png, to_svg};
+use polymapper_draw::{Scene, TrajectoryPoint, map_picture, to_png, to_svg};
 use polymapper_io::out::{AtomicFile, Outcome, TrajectoryRow};
 
 /// Name of the picture that every program shows.
@@ -13,17 +13,22 @@ pub const PNG: &str = "map.png";
 
 /// Draws the map with the way of the scanner, titled by the name of the log.
 pub fn write(folder: &Path, map: &Map, rows: &[TrajectoryRow], log_name: &str) -> anyhow::Result<()> {
-    let way: Vec<TrajectoryPoint> = rows.iter().map(point).collect();
     let title = Path::new(log_name)
         .file_name()
         .map_or_else(|| log_name.into(), |name| name.to_string_lossy());
-    let scene = map_picture(map, &way, &title);
+    let scene = scene(map, rows, &title);
     AtomicFile::write(&folder.join("map.svg"), |f| {
         f.write_all(to_svg(&scene).as_bytes())
     })?;
     let png = to_png(&scene)?;
     AtomicFile::write(&folder.join(PNG), |f| f.write_all(&png))?;
     Ok(())
+}
+
+/// The picture of a map with the way of the scanner.
+pub fn scene(map: &Map, rows: &[TrajectoryRow], title: &str) -> Scene {
+    let way: Vec<TrajectoryPoint> = rows.iter().map(point).collect();
+    map_picture(map, &way, title)
 }
 
 fn point(row: &TrajectoryRow) -> TrajectoryPoint {

@@ -12,13 +12,15 @@ use polymapper_core::geometry::Polyline;
 use polymapper_core::map::Map;
 use polymapper_core::mapper::Settings;
 use polymapper_io::log::{Entry, LineFault, Log};
+use polymapper_io::out::formats::{ExportFormat, ScanSource};
 use polymapper_io::out::{
     AtomicFile, InputReport, MapFile, MapReport, Outcome, Report, ScanReport, TrajectoryRow, prepare_folder,
-    write_map, write_trajectory_csv, write_trajectory_tum,
+    read_map, read_trajectory_csv, write_map, write_trajectory_csv, write_trajectory_tum,
 };
 
 use crate::args::BuildArgs;
 use crate::clock::StageClock;
+use crate::exports::{ExportChoice, Exported, KeptScans, use_scans, write_all};
 use crate::interrupt::Interrupt;
 use crate::mapping::{CoreMapping, Mapping};
 use crate::scans::{self, Reading};
@@ -36,7 +38,18 @@ pub fn run(args: &BuildArgs) -> anyhow::Result<Finish> {
         &args.output,
         odometry_used,
         &Interrupt::listen()?,
+        &Also {
+            formats: &args.export,
+            choice: Some(&args.choice),
+        },
     )
+}
+
+/// What is exported besides.
+#[derive(Default)]
+pub struct Also<'a> {
+    formats: &'a [&'static ExportFormat],
+    choice: Option<&'a ExportChoice>,
 }
 
 /// Builds the map of `log` and writes everything into `folder`, which is there and writable.
@@ -46,7 +59,10 @@ pub fn build(
     folder: &Path,
     odometry_used: bool,
     interrupt: &Interrupt,
+    also: &Also<'_>,
 ) -> anyhow::Result<Finish> {
+    let keep_scans = use_scans(also.formats);
+    let mut kept = KeptScans::default();
     let mut clock = StageClock::new(&["read"]);
     let mut lines = Vec::new();
     clock.enter("read");
@@ -55,6 +71,9 @@ pub fn build(
         if let Entry::Scan(scan) = entry {
             mapper.add_scan(&scan.scan, scan.odometry, &mut clock);
             clock.enter("read");
+            if keep_scans {
+                kept.0.push((scan.index, scan.scan));
+            }
         }
         Ok(())
     })?;
@@ -65,6 +84,19 @@ pub fn build(
     write_result(folder, &finished.map, &rows, reading.partial.as_deref())?;
     clock.enter("draw");
     pictures::write(folder, &finished.map, &rows, log.name())?;
+    if let Some(choice) = also.choice.filter(|_| !also.formats.is_empty()) {
+        clock.enter("export");
+        // From the files, so that `export` gives the same bytes another day.
+        let map = read_map(&folder.join("map.json"))?.map;
+        let rows = read_trajectory_csv(&folder.join("trajectory.csv"))?;
+        let exported = Exported {
+            map: &map,
+            trajectory: Some(&rows),
+            scans: keep_scans.then_some(&kept as &dyn ScanSource),
+            title: &scans::short_name(log.name()),
+        };
+        write_all(also.formats, choice, &exported, folder, "map")?;
+    }
     let report = Report {
         generator: concat!("polymapper ", env!("CARGO_PKG_VERSION")).to_owned(),
         partial: reading.partial.clone(),
@@ -286,7 +318,7 @@ mod tests {
         let path: PathBuf = folder.path().join("test.log");
         fs::write(&path, text).unwrap();
         let log = scans::open(&path, ReadOptions::default()).unwrap();
-        let finish = build(log, mapper, folder.path(), false, interrupt);
+        let finish = build(log, mapper, folder.path(), false, interrupt, &Also::default());
         Built { finish, folder }
     }
 

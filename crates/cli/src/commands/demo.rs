@@ -6,7 +6,7 @@ use polymapper_io::out::prepare_folder;
 
 use crate::Finish;
 use crate::args::DemoArgs;
-use crate::commands::build::build;
+use crate::commands::build::{Also, build};
 use crate::interrupt::Interrupt;
 use crate::mapping::CoreMapping;
 use crate::talk::say;
@@ -27,5 +27,6 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<Finish> {
         &args.output,
         false,
         &Interrupt::listen()?,
+        &Also::default(),
     )
 }

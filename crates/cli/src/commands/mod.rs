@@ -3,8 +3,10 @@
 pub mod build;
 pub mod convert;
 pub mod demo;
+pub mod export;
 pub mod extract;
 pub mod figures;
+pub mod import;
 pub mod inspect;
 pub mod match_scans;
 pub mod simulate;

@@ -186,7 +186,11 @@ pub fn read_map(path: &Path) -> Result<MapFile, MapFileError> {
     map_from_json(&text, &name)
 }
 
-fn map_from_json(text: &str, name: &str) -> Result<MapFile, MapFileError> {
+/// Reads a map from the text of its file; `name` is for messages.
+///
+/// # Errors
+/// As [`read_map`].
+pub(crate) fn map_from_json(text: &str, name: &str) -> Result<MapFile, MapFileError> {
     let json = |source| MapFileError::Json {
         name: name.to_owned(),
         source,

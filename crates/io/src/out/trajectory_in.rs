@@ -1,0 +1,183 @@
+//! `trajectory.csv` read back: poses for exports of a map that was built before.
+//!
+//! In goes a file that [`super::write_trajectory_csv`] wrote, maybe with more columns; columns are found by their
+//! names.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use polymapper_core::geometry::Pose;
+
+use super::trajectory::{Outcome, TrajectoryRow};
+
+/// Why a file is not a trajectory.
+#[derive(Debug, thiserror::Error)]
+pub enum TrajectoryFileError {
+    /// The system does not give the file, or it is no CSV.
+    #[error("{name} cannot be read as a trajectory")]
+    Unreadable {
+        /// Name of the file.
+        name: String,
+        /// What the reader says.
+        source: csv::Error,
+    },
+    /// A column is not there.
+    #[error("{name} is no trajectory: the column `{column}` is missing")]
+    Column {
+        /// Name of the file.
+        name: String,
+        /// The column.
+        column: &'static str,
+    },
+    /// A field that cannot be.
+    #[error("{name}, line {line}: `{column}` is \"{found}\", {expected} is expected")]
+    Field {
+        /// Name of the file.
+        name: String,
+        /// 1-based line.
+        line: u64,
+        /// The column.
+        column: &'static str,
+        /// What stands there.
+        found: String,
+        /// What should.
+        expected: &'static str,
+    },
+}
+
+/// Reads the trajectory at `path`.
+///
+/// # Errors
+/// No file, a column that is missing, a field that is no number, scans that are not counted 0, 1, 2 ..
+pub fn read_trajectory_csv(path: &Path) -> Result<Vec<TrajectoryRow>, TrajectoryFileError> {
+    let name = path.display().to_string();
+    match File::open(path) {
+        Ok(file) => read(file, &name),
+        Err(source) => Err(TrajectoryFileError::Unreadable {
+            name,
+            source: source.into(),
+        }),
+    }
+}
+
+fn read(input: impl Read, name: &str) -> Result<Vec<TrajectoryRow>, TrajectoryFileError> {
+    let unreadable = |source| TrajectoryFileError::Unreadable {
+        name: name.to_owned(),
+        source,
+    };
+    let mut csv = csv::Reader::from_reader(input);
+    let columns = Columns::find(csv.headers().map_err(unreadable)?, name)?;
+    let mut rows = Vec::new();
+    for record in csv.records() {
+        let record = record.map_err(unreadable)?;
+        let row = columns.row(&record, rows.len());
+        rows.push(
+            row.map_err(|(column, found, expected)| TrajectoryFileError::Field {
+                name: name.to_owned(),
+                line: record.position().map_or(0, csv::Position::line),
+                column,
+                found,
+                expected,
+            })?,
+        );
+    }
+    Ok(rows)
+}
+
+const NAMES: [&str; 7] = ["scan", "stamp_s", "x_m", "y_m", "theta_rad", "outcome", "reason"];
+
+/// Where the columns of [`NAMES`] stand.
+struct Columns([usize; NAMES.len()]);
+
+/// Column, what was found, what is expected.
+type Fault = (&'static str, String, &'static str);
+
+impl Columns {
+    fn find(header: &csv::StringRecord, name: &str) -> Result<Self, TrajectoryFileError> {
+        let mut places = [0; NAMES.len()];
+        for (place, column) in places.iter_mut().zip(NAMES) {
+            *place = header.iter().position(|field| field == column).ok_or_else(|| {
+                TrajectoryFileError::Column {
+                    name: name.to_owned(),
+                    column,
+                }
+            })?;
+        }
+        Ok(Self(places))
+    }
+
+    fn row(&self, record: &csv::StringRecord, expected_scan: usize) -> Result<TrajectoryRow, Fault> {
+        let field = |k: usize| record.get(self.0[k]).unwrap_or("");
+        let number = |k: usize| {
+            let value: Option<f64> = field(k).parse().ok().filter(|v: &f64| v.is_finite());
+            value.ok_or((NAMES[k], field(k).to_owned(), "a number"))
+        };
+        if field(0).parse() != Ok(expected_scan) {
+            return Err((NAMES[0], field(0).to_owned(), "the count of the rows before"));
+        }
+        let stamp_s = if field(1).is_empty() {
+            None
+        } else {
+            Some(number(1)?)
+        };
+        let outcome = match field(5) {
+            "placed" => Outcome::Placed {
+                map_from_scan: Pose::new(number(2)?, number(3)?, number(4)?),
+            },
+            "not_placed" => Outcome::NotPlaced {
+                reason: field(6).to_owned(),
+            },
+            other => return Err((NAMES[5], other.to_owned(), "placed or not_placed")),
+        };
+        Ok(TrajectoryRow {
+            scan: expected_scan,
+            stamp_s,
+            outcome,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::out::write_trajectory_csv;
+
+    const HEAD: &str = "scan,stamp_s,x_m,y_m,theta_rad,outcome,reason\n";
+
+    #[test]
+    fn what_was_written_is_read_back_also_with_more_columns() {
+        let rows = vec![
+            TrajectoryRow {
+                scan: 0,
+                stamp_s: Some(12.5),
+                outcome: Outcome::Placed {
+                    map_from_scan: Pose::new(1.25, -2.0, 0.5),
+                },
+            },
+            TrajectoryRow {
+                scan: 1,
+                stamp_s: None,
+                outcome: Outcome::NotPlaced {
+                    reason: "line 3: \"x\", and more".to_owned(),
+                },
+            },
+        ];
+        let mut text = Vec::new();
+        write_trajectory_csv(&mut text, &rows).unwrap();
+        assert_eq!(read(text.as_slice(), "t.csv").unwrap(), rows);
+        let wider = "why,scan,stamp_s,x_m,y_m,theta_rad,outcome,reason\n-,0,12.5,1.25,-2,0.5,placed,\n";
+        assert_eq!(read(wider.as_bytes(), "t.csv").unwrap(), rows[..1]);
+    }
+
+    #[test]
+    fn a_file_that_is_no_trajectory_says_where() {
+        let fault = |text: &str| read(text.as_bytes(), "t.csv").unwrap_err().to_string();
+        assert!(fault("a,b\n1,2\n").contains("the column `scan` is missing"));
+        let row = fault(&format!("{HEAD}0,1,2,x,4,placed,\n"));
+        assert_eq!(row, "t.csv, line 2: `y_m` is \"x\", a number is expected");
+        assert!(fault(&format!("{HEAD}5,1,2,3,4,placed,\n")).contains("the count of the rows before"));
+        assert!(fault(&format!("{HEAD}0,1,NaN,3,4,placed,\n")).contains("`x_m` is \"NaN\""));
+        assert!(fault(&format!("{HEAD}0,1,2,3,4,lost,\n")).contains("placed or not_placed"));
+    }
+}
