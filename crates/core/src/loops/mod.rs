@@ -6,7 +6,9 @@
 
 pub(crate) mod graph;
 mod recognise;
+mod ties;
 pub(crate) mod ways;
 
 pub use recognise::RecogniseSettings;
 pub(crate) use recognise::{find_in, recognise, seen_around};
+pub(crate) use ties::ties;

@@ -13,7 +13,7 @@ use crate::geometry::{Pose, wrap_rad};
 use crate::keyframe::{Keyframe, Seen};
 use crate::loops::graph::{Edge, optimise};
 use crate::loops::ways::ways_m;
-use crate::loops::{RecogniseSettings, recognise, seen_around};
+use crate::loops::{recognise, seen_around, ties};
 use crate::map::{EraserBox, Map};
 use crate::merge::eraser::{boxes, disordered_runs};
 use crate::merge::finish::finish;
@@ -31,6 +31,9 @@ const LOOK_AFTER_M: f64 = 1.0;
 /// Way between two ties to an earlier visit, and how near the middles of what both saw must be, metres.
 const TIE_AFTER_M: f64 = 1.0;
 const TIE_WITHIN_M: f64 = 3.0;
+/// What a tie is less certain by than its walls say, metres and radians: the map has errors of its own.
+const TIE_SIGMA_M: f64 = 0.03;
+const TIE_SIGMA_RAD: f64 = 0.003;
 
 /// Two closures within a few metres of each other agree when they differ by less than this, metres.
 const AGREE_M: f64 = 0.4;
@@ -206,7 +209,7 @@ impl Atlas {
             information: alignment
                 .information
                 .turned(-from.theta_rad)
-                .with_noise(0.03, 0.003),
+                .with_noise(TIE_SIGMA_M, TIE_SIGMA_RAD),
             is_loop: true,
         });
     }
@@ -243,7 +246,7 @@ impl Atlas {
             self.unlooked_m = 0.0;
             if let Some(edge) = self.known_place(settings) {
                 step.recognised = Some(self.keyframes[edge.from].number);
-                is_closed = self.close(edge, &settings.recognise);
+                is_closed = self.close(edge, settings);
             }
         }
         if is_closed || self.is_stale || self.unrenewed_m > RENEW_AFTER_M {
@@ -254,9 +257,9 @@ impl Atlas {
 
     /// Takes a closure into the graph, at once if it moves things little, else when the next one agrees with it.
     /// Returns whether poses moved.
-    fn close(&mut self, edge: Edge, settings: &RecogniseSettings) -> bool {
+    fn close(&mut self, edge: Edge, settings: &Settings) -> bool {
         let waiting = self.waiting.take();
-        if self.jump_m(&edge) > settings.confirm_beyond_m {
+        if self.jump_m(&edge) > settings.recognise.confirm_beyond_m {
             let agrees = |w: &Edge| self.disagreement_m(w, &edge) < AGREE_M;
             if !waiting.as_ref().is_some_and(agrees) {
                 self.waiting = Some(edge);
@@ -266,7 +269,32 @@ impl Atlas {
         }
         self.edges.push(edge);
         self.optimise();
+        self.tie_visits(settings);
         true
+    }
+
+    /// Ties the keyframes of the last metres to the earlier visit of the place that was recognised.
+    fn tie_visits(&mut self, settings: &Settings) {
+        let newest_m = self.keyframes.last().map_or(0.0, |k| k.way_m);
+        let (mut earlier, mut newer) = (Vec::new(), Vec::new());
+        let mut tied_m = f64::INFINITY;
+        for k in self.keyframes_around().into_iter().rev() {
+            let way_m = self.keyframes[k].way_m;
+            if newest_m - way_m > 2.0 * LOCAL_M {
+                earlier.push(k);
+            } else if newest_m - way_m < LOCAL_M && tied_m - way_m > TIE_AFTER_M {
+                newer.push(k);
+                tied_m = way_m;
+            }
+        }
+        let ties = ties(&self.keyframes, &earlier, &newer, &settings.align);
+        if !ties.is_empty() {
+            self.edges.extend(ties.into_iter().map(|tie| Edge {
+                information: tie.information.with_noise(TIE_SIGMA_M, TIE_SIGMA_RAD),
+                ..tie
+            }));
+            self.optimise();
+        }
     }
 
     /// How far a closure would move its newer keyframe, metres.

@@ -85,6 +85,8 @@ const OTHER_WINDOW_M: f64 = 4.0;
 /// Two places in a row agree when they put the scanner less far apart than this, metres and radians.
 const AGREE_M: f64 = 0.5;
 const AGREE_RAD: f64 = 0.1;
+/// A smaller map is not looked for.
+const LEAST_KEYFRAMES: usize = 3;
 /// Keyframes between two places that are looked at.
 const CURSOR_STEP: usize = 3;
 
@@ -120,6 +122,11 @@ impl Track {
     /// Whether nothing has been placed yet.
     pub fn is_empty(&self) -> bool {
         self.motion.is_none()
+    }
+
+    /// Whether the present map is kept apart from a larger one.
+    pub fn is_apart(&self) -> bool {
+        self.main().id != self.atlas.id
     }
 
     /// The scan has no place anywhere.
@@ -213,7 +220,7 @@ impl Track {
         let (Some(newest), Some(tip)) = (new.len().checked_sub(1), old.len().checked_sub(1)) else {
             return false;
         };
-        if newest == 0 || old.len() < new.len() {
+        if newest == 0 || old.len() < LEAST_KEYFRAMES {
             return false;
         }
         let is_where_left = newest <= LOOK_WHERE_LEFT;
@@ -231,7 +238,6 @@ impl Track {
                 &settings.recognise,
             )
         } else {
-            left.cursor = (left.cursor + CURSOR_STEP) % old.len();
             let at = tip - left.cursor;
             let centre = old[at].map_from_scan;
             find_in(
@@ -245,7 +251,10 @@ impl Track {
                 &settings.recognise,
             )
         };
-        let Some(edge) = edge else { return false };
+        let Some(edge) = edge else {
+            left.cursor = (left.cursor + CURSOR_STEP) % old.len();
+            return false;
+        };
         let old_from_new = old[edge.from].map_from_scan * edge.motion * new[edge.to].map_from_scan.inverse();
         let recognised = old[edge.from].number;
         if !is_where_left && !left.is_confirmed(old_from_new, new[edge.to].map_from_scan) {

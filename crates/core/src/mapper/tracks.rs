@@ -18,6 +18,8 @@ const MOST: usize = 4;
 const DECIDE_AFTER_SCANS: usize = 12;
 /// Merit of a scan that is kept apart: a place that explains it worse is doubted.
 const APART_MERIT: f64 = 0.1;
+/// What a scan's merit in a map of its own is too high by: there is less in it that could contradict.
+const FLATTERY: f64 = 0.15;
 
 /// How a track goes on.
 #[derive(Clone, Copy)]
@@ -42,7 +44,8 @@ pub(super) fn onward(
     // A map of its own has no errors yet and flatters every scan: it is for when no track has a good place.
     let is_poor = answers.iter().all(|a| best_merit(a) < APART_MERIT);
     for (track, answer) in answers.iter().enumerate() {
-        let before = tracks[track].merit;
+        let flattery = if tracks[track].is_apart() { FLATTERY } else { 0.0 };
+        let before = tracks[track].merit - flattery;
         let mut add = |way, merit| {
             all.push(Onward {
                 track,
