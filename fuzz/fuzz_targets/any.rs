@@ -1,6 +1,6 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use polymapper_fuzz::read;
+use polymapper_fuzz::{read, with_small_blocks};
 
-fuzz_target!(|data: &[u8]| read(data.to_vec()));
+fuzz_target!(|data: &[u8]| read(with_small_blocks(data.to_vec())));

@@ -159,6 +159,29 @@ fn the_same_messages_are_the_same_scans_in_mcap_and_sqlite() {
 }
 
 #[test]
+fn a_recording_with_a_log_of_writes_ahead_comes_in_by_any_way() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.db3");
+    db3(&path, &[scan_at(1), scan_at(2)]).unwrap();
+    // As rosbag2 writes it.
+    let database = rusqlite::Connection::open(&path).unwrap();
+    let mode = database.query_row("PRAGMA journal_mode = WAL", [], |row| row.get::<_, String>(0));
+    assert_eq!(mode.unwrap(), "wal");
+    drop(database);
+    let stream = || std::fs::read(&path).unwrap();
+    assert_eq!(stream()[18..20], [2, 2]);
+    let by_name = || log::open(&path, ReadOptions::default()).unwrap().count();
+    assert_eq!((read(stream()).0.len(), by_name()), (2, 2));
+    // Too long for memory.
+    let database = rusqlite::Connection::open(&path).unwrap();
+    let more = "CREATE TABLE more(data BLOB); INSERT INTO more VALUES(zeroblob(3000000));";
+    database.execute_batch(more).unwrap();
+    drop(database);
+    assert!(stream().len() > 3_000_000);
+    assert_eq!((read(stream()).0.len(), by_name()), (2, 2));
+}
+
+#[test]
 fn a_scanner_that_hangs_upside_down_is_turned_round_even_if_that_is_said_late() {
     let file = mcap(&[
         scan_at(1),

@@ -6,13 +6,12 @@ use polymapper_core::geometry::Point;
 use polymapper_core::map::{EraserBox, Map, MapPolyline, MapVertex};
 
 use super::Imported;
+use crate::out::FARTHEST_M;
 
 /// More vertices than this are no map (curves can unfold a small file to many).
 const MOST_VERTICES: usize = 4_000_000;
 /// More boxes are no map either; each is compared with all others.
 const MOST_BOXES: usize = 10_000;
-/// Farther from the origin is no place in a building, metres.
-const FARTHEST_M: f64 = 1e7;
 /// A vertex this near its old place did not move, metres.
 const SAME_PLACE_M: f64 = 1e-3;
 /// Vertices of a line closer than this are one, metres.

@@ -1,17 +1,18 @@
 //! sqlite3 recordings of ROS 2 (rosbag2's `.db3`).
 //!
 //! In goes the file, out come its messages in the order in which they were written. SQLite needs the file itself, so
-//! that a packed file or standard input is unpacked into a temporary file first. The database is opened for reading
+//! that a packed file or standard input is unpacked first: a short one into memory, others into a temporary file. The
+//! database is opened for reading
 //! only; its schema is not trusted. Messages that rosbag2 packed one by one (`compression_mode: message`) are unpacked.
 //!
 //! Tables: `topics(id, name, type, serialization_format, ..)`, `messages(id, topic_id, timestamp, data)`.
 
-use std::io::{self, BufRead, Read, Write};
+use std::io::{self, BufRead, Cursor, Read, Write};
 use std::path::Path;
 
 use rusqlite::limits::Limit;
 use rusqlite::types::ValueRef;
-use rusqlite::{Connection, OpenFlags};
+use rusqlite::{Connection, MAIN_DB, OpenFlags};
 
 use super::ros::{Channel, Encoding, MAX_MESSAGE_BYTES, Message, Messages};
 use super::{LogError, ReadOptions, ScanReader, ros};
@@ -28,6 +29,8 @@ const MAX_TOPICS: i64 = 4096;
 /// A packed recording grows by 3 to 10 times when unpacked; one that grows by more than this is made to fill a disk.
 const MOST_GROWTH: u64 = 200;
 const LEAST_LIMIT_BYTES: u64 = 256 * 1024 * 1024;
+/// What is unpacked to less than this needs no temporary file.
+const SHORT_BYTES: u64 = 1024 * 1024;
 
 pub(super) fn recognise(head: &[u8]) -> bool {
     head.starts_with(MAGIC)
@@ -67,10 +70,10 @@ impl DbMessages {
     fn open(input: Input) -> io::Result<Self> {
         let (database, unpacked) = match input.plain_file() {
             Some(path) => (connect(path)?, None),
-            None => {
-                let file = unpack(input)?;
-                (connect(file.path())?, Some(file))
-            }
+            None => match unpack(input)? {
+                Unpacked::Memory(bytes) => (connect_to_bytes(bytes)?, None),
+                Unpacked::File(file) => (connect(file.path())?, Some(file)),
+            },
         };
         let mut messages = Self {
             database,
@@ -171,23 +174,57 @@ impl Messages for DbMessages {
 
 fn connect(path: &Path) -> io::Result<Connection> {
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let open = || guarded(Connection::open_with_flags(path, flags)?);
+    open().map_err(broken)
+}
+
+/// Opens a database that is in memory.
+fn connect_to_bytes(mut bytes: Vec<u8>) -> io::Result<Connection> {
+    /// Versions of the file format for writing and for reading: 1 with a journal, 2 with a log of writes ahead, which
+    /// needs a file (https://www.sqlite.org/c3ref/deserialize.html). rosbag2 writes 2.
+    const VERSIONS: std::ops::Range<usize> = 18..20;
+    if let Some(versions) = bytes.get_mut(VERSIONS)
+        && versions == [2, 2]
+    {
+        versions.fill(1);
+    }
+    let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let open = || {
-        let database = Connection::open_with_flags(path, flags)?;
-        database.set_limit(Limit::SQLITE_LIMIT_LENGTH, MAX_MESSAGE_BYTES as i32)?;
-        database.pragma_update(None, "trusted_schema", false)?;
-        database.pragma_update(None, "cell_size_check", true)?;
-        rusqlite::Result::Ok(database)
+        let mut database = Connection::open_in_memory_with_flags(flags)?;
+        let length = bytes.len();
+        database.deserialize_read_exact(MAIN_DB, Cursor::new(bytes), length, true)?;
+        guarded(database)
     };
     open().map_err(broken)
 }
 
-/// Writes what is packed in `input` to a temporary file.
-fn unpack(input: Input) -> io::Result<tempfile::NamedTempFile> {
+/// Takes away what a database made to do harm would use.
+fn guarded(database: Connection) -> rusqlite::Result<Connection> {
+    database.set_limit(Limit::SQLITE_LIMIT_LENGTH, MAX_MESSAGE_BYTES as i32)?;
+    database.pragma_update(None, "trusted_schema", false)?;
+    database.pragma_update(None, "cell_size_check", true)?;
+    Ok(database)
+}
+
+/// What was packed.
+enum Unpacked {
+    Memory(Vec<u8>),
+    File(tempfile::NamedTempFile),
+}
+
+/// Unpacks `input` into memory when it is short, else into a temporary file.
+fn unpack(input: Input) -> io::Result<Unpacked> {
     let progress = input.progress.clone();
     let is_packed = input.compression.is_some();
     let mut stream = input.into_stream();
+    let mut start = Vec::new();
+    (&mut stream).take(SHORT_BYTES).read_to_end(&mut start)?;
+    if (start.len() as u64) < SHORT_BYTES {
+        return Ok(Unpacked::Memory(start));
+    }
     let mut file = tempfile::NamedTempFile::new()?;
-    let mut written = 0;
+    file.write_all(&start)?;
+    let mut written = SHORT_BYTES;
     loop {
         let part = stream.fill_buf()?;
         if part.is_empty() {
@@ -209,7 +246,7 @@ fn unpack(input: Input) -> io::Result<tempfile::NamedTempFile> {
         }
     }
     file.flush()?;
-    Ok(file)
+    Ok(Unpacked::File(file))
 }
 
 fn unpacked_message(packed: &[u8]) -> io::Result<Vec<u8>> {

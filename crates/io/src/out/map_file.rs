@@ -18,6 +18,8 @@ use super::decimals::{rounded_4, rounded_5};
 pub const MAP_FORMAT: &str = "polymapper-map";
 /// Version of the format that is written, and the newest that is read.
 pub const MAP_VERSION: u64 = 1;
+/// Farther from the origin is no place in a building, metres.
+pub(crate) const FARTHEST_M: f64 = 1e7;
 const FRAME: &str = "laser of the first placed scan: x ahead, y left";
 
 /// A map and what is known about how it came to be.
@@ -247,6 +249,7 @@ fn polyline(record: PolylineRecord) -> Result<MapPolyline, String> {
     if count < 2 {
         return Err(format!("two vertices or more are expected, {count} found"));
     }
+    record.vertices.iter().try_for_each(in_building)?;
     let vertex = |(k, &[x, y]): (usize, &[f64; 2])| MapVertex {
         point: Point::new(x, y),
         observations: record.observations.get(k).copied().unwrap_or(0),
@@ -258,8 +261,20 @@ fn polyline(record: PolylineRecord) -> Result<MapPolyline, String> {
     })
 }
 
+/// Without the limit a number may be read that overflows when it is rounded to be written.
+fn in_building(&[x, y]: &[f64; 2]) -> Result<(), String> {
+    if x.abs() <= FARTHEST_M && y.abs() <= FARTHEST_M {
+        return Ok(());
+    }
+    Err(format!(
+        "a vertex at ({x:e}, {y:e}) m, at most {FARTHEST_M:e} m are expected"
+    ))
+}
+
 fn eraser_box(record: &BoxRecord) -> Result<EraserBox, String> {
     let (min, max) = (record.min, record.max);
+    in_building(&min)?;
+    in_building(&max)?;
     if min[0] > max[0] || min[1] > max[1] {
         return Err(format!("`min` {min:?} is not below `max` {max:?}"));
     }
@@ -334,6 +349,9 @@ mod tests {
         assert!(fault("\"id\":9", "\"id\":4").contains("polyline 4: the id is used twice"));
         assert!(fault("[3,17]", "[3]").contains("polyline 4: 1 `observations`, but 2 vertices"));
         assert!(fault("[1.0,2.5]", "[-1.0,2.5]").contains("eraser box 0"));
+        // Found by fuzzing: it was read, but what was written of it could not be.
+        assert!(fault("12.3457", "1e305").contains("polyline 4: a vertex at (1e305, 2e0) m, at most 1e7 m"));
+        assert!(fault("[1.0,2.5]", "[1.0,2.5e7]").contains("eraser box 0: a vertex at (1e0, 2.5e7) m"));
         assert!(fault("12.3457", "\"x\"").contains("at line 8 column"));
         assert!(fault("polylines", "lines").contains("missing field `polylines`"));
     }
