@@ -15,7 +15,7 @@ fn walls(corners: &[(f64, f64)]) -> Vec<Wall> {
 
 /// What a scanner with 1° all round and `reach_m` sees of the walls.
 fn scan_from(walls: &[Wall], map_from_scan: Pose, reach_m: f64) -> Scan {
-    let geometry = ScanGeometry::new(0.0, 1_f64.to_radians(), 360).unwrap();
+    let geometry = ScanGeometry::new(0.0, 1_f64.to_radians(), 360).expect("360 beams of 1° are a geometry");
     let origin = map_from_scan.translation();
     let range = |direction: Point| {
         walls
@@ -38,7 +38,7 @@ fn scan_from(walls: &[Wall], map_from_scan: Pose, reach_m: f64) -> Scan {
             if range_m < reach_m { range_m } else { f64::NAN }
         })
         .collect();
-    Scan::new(geometry, ranges_m).unwrap()
+    Scan::new(geometry, ranges_m).expect("as many ranges as beams")
 }
 
 fn placed(outcome: &Outcome) -> Option<Pose> {
