@@ -41,6 +41,9 @@ pub fn with_small_blocks(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
+/// How packed files begin: gzip, bzip2, zstd.
+pub const PACKED: &[&[u8]] = &[&[0x1f, 0x8b], b"BZh", &[0x28, 0xb5, 0x2f, 0xfd]];
+
 /// Metres, and a place on Earth, so that a drawing in any system goes in.
 static OPTIONS: LazyLock<ImportOptions> = LazyLock::new(|| ImportOptions {
     base: None,
