@@ -106,7 +106,7 @@ pub enum Command {
     ///   a log              mapped while you watch; then played back at will
     ///   a folder           that `build` has written, played back
     ///   -                  scans from standard input as they come: CARMEN lines or JSON lines
-    ///   tcp:[HOST:]PORT    the same from whoever connects to this port, one after the other
+    ///   `tcp:[HOST:]PORT`  the same from whoever connects to this port, one after the other
     ///
     /// A JSON line is {"ranges_m": [1.23, null, ..], "first_bearing_rad": -1.5708, "step_rad":
     /// 0.0175, "stamp_s": 12.5}. Without the two angles the ranges look half a turn ahead.
@@ -214,7 +214,7 @@ pub struct ConvertArgs {
 
 #[derive(clap::Args)]
 pub struct ViewArgs {
-    /// Laser log, plain or packed, or a folder with its parts; folder of a build; `-`; or tcp:[HOST:]PORT
+    /// Laser log, plain or packed, or a folder with its parts; folder of a build; `-`; or `tcp:[HOST:]PORT`
     #[arg(value_name = "SOURCE")]
     pub source: PathBuf,
     #[command(flatten)]

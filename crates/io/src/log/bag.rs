@@ -3,7 +3,7 @@
 //! In goes the file as a stream, out come its messages in the order in which they stand. The index at the end is
 //! not looked at, since it may be wrong or missing (a bag whose recording was cut): chunks are read one after
 //! another, through their decompressor, so that memory does not depend on their size. A record is a head of named
-//! fields and data, each with its length before it (http://wiki.ros.org/Bags/Format/2.0).
+//! fields and data, each with its length before it (<http://wiki.ros.org/Bags/Format/2.0>).
 //!
 //! Some writers gave the index behind a chunk a length that is not 12 bytes an entry. What stands behind such a
 //! record cannot be reached by the lengths: reading ends there and says so, or goes on behind the entries when it

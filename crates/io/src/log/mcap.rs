@@ -2,7 +2,7 @@
 //!
 //! In goes the file as a stream, out come its messages in the order in which they stand. Records (kind, length, data)
 //! are read one after another and chunks through their decompressor, without the index at the end, so that memory
-//! does not depend on the file and a recording that was cut goes in as far as it goes (https://mcap.dev/spec).
+//! does not depend on the file and a recording that was cut goes in as far as it goes (<https://mcap.dev/spec>).
 //!
 //! The reader of the `mcap` crate (0.26.0, `LinearReader`) was tried: it takes whole chunks of lengths that are not
 //! checked (a record longer than its chunk is a subtraction that overflows, found by fuzzing in a second).
