@@ -7,6 +7,7 @@
 
 mod carmen;
 mod dxf;
+mod extent;
 mod features;
 mod g2o;
 mod geojson;

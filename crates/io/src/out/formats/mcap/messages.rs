@@ -7,6 +7,7 @@ use crate::log_out::cdr::Cdr;
 use crate::log_out::ros2::{
     DURATION, HEADER, MAP_FRAME, POINT, POSE, QUATERNION, TIME, Type, VECTOR, header, nanoseconds, pose, time,
 };
+use crate::out::formats::extent::corners;
 use crate::out::formats::grid::{Cell, Grid};
 use crate::out::formats::subject::PlacedRow;
 
@@ -109,14 +110,8 @@ pub(super) fn markers(time_ns: u64, map: &Map) -> Vec<u8> {
         line_strip(&mut cdr, time_ns, "walls", id, INK, &points);
     }
     for (k, b) in map.eraser_boxes.iter().enumerate() {
-        let corner = Point::new;
-        let ring = [
-            b.min,
-            corner(b.max.x, b.min.y),
-            b.max,
-            corner(b.min.x, b.max.y),
-            b.min,
-        ];
+        let [first, second, third, fourth] = corners(b);
+        let ring = [first, second, third, fourth, first];
         line_strip(&mut cdr, time_ns, "eraser boxes", k as i32, ORANGE, &ring);
     }
     cdr.bytes()
