@@ -80,10 +80,16 @@ impl<W: Write> Recording<W> {
     }
 }
 
-/// A log of scans on one topic; the odometry of a scan stands before it, on `/odom`.
+/// Time from the scan before to one without a stamp, nanoseconds: players need times that go on.
+const STEP_WITHOUT_STAMP_NS: u64 = 100_000_000;
+
+/// A log of scans on one topic; the odometry of a scan stands before it, on `/odom`. Scans without a stamp are recorded
+/// 0.1 s apart; the stamp in the message is zero, since nothing is known of it.
 pub(super) struct McapLog<W: Write> {
     recording: Recording<W>,
     topic: String,
+    /// When the scan before was recorded.
+    last_ns: Option<u64>,
 }
 
 impl<W: Write> McapLog<W> {
@@ -91,22 +97,28 @@ impl<W: Write> McapLog<W> {
         Ok(Self {
             recording: Recording::new(out).map_err(io::Error::other)?,
             topic: topic.to_owned(),
+            last_ns: None,
         })
     }
 }
 
 impl<W: Write> ScanWriter for McapLog<W> {
     fn write_scan(&mut self, scan: &LogScan) -> io::Result<()> {
-        let time_ns = ros2::nanoseconds(scan.stamp_s);
+        let stamp_ns = ros2::nanoseconds(scan.stamp_s);
+        let recorded_ns = match (scan.stamp_s, self.last_ns) {
+            (None, Some(last_ns)) => last_ns.saturating_add(STEP_WITHOUT_STAMP_NS),
+            _ => stamp_ns,
+        };
+        self.last_ns = Some(recorded_ns);
         if let Some(pose) = scan.odometry {
-            let odometry = ros2::odometry(time_ns, pose);
+            let odometry = ros2::odometry(stamp_ns, pose);
             self.recording
-                .put("/odom", &ODOMETRY, time_ns, &odometry)
+                .put("/odom", &ODOMETRY, recorded_ns, &odometry)
                 .map_err(io::Error::other)?;
         }
-        let readings = ros2::laser_scan(time_ns, &scan.scan);
+        let readings = ros2::laser_scan(stamp_ns, &scan.scan);
         self.recording
-            .put(&self.topic, &LASER_SCAN, time_ns, &readings)
+            .put(&self.topic, &LASER_SCAN, recorded_ns, &readings)
             .map_err(io::Error::other)
     }
 
