@@ -6,7 +6,7 @@
 //! read as the parts of one log, in the natural order of their names.
 //!
 //! A format is one module with two functions, `recognise` (does the head look like mine?) and `open`,
-//! listed in [`formats`].
+//! listed in `formats.rs`.
 
 mod bag;
 mod carmen;
