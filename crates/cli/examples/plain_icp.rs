@@ -71,6 +71,7 @@ fn follow(log: &Path) -> anyhow::Result<Vec<TrajectoryRow>> {
             }
         };
         rows.push(TrajectoryRow {
+            recognised: None,
             scan,
             stamp_s,
             outcome,

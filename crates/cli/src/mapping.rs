@@ -32,6 +32,8 @@ pub trait Mapping {
 pub struct Finished {
     pub map: Map,
     pub outcomes: Vec<Outcome>,
+    /// For each of these scans, the one at whose place it was recognised to be.
+    pub recognised: Vec<Option<usize>>,
     /// How the map came to be, if that was recorded.
     pub recorded: Option<Recorded>,
 }
@@ -40,6 +42,7 @@ pub struct Finished {
 pub struct CoreMapping {
     mapper: Mapper,
     settings: Settings,
+    recognised: Vec<Option<usize>>,
     record: Option<BuildRecord>,
 }
 
@@ -49,6 +52,7 @@ impl CoreMapping {
         Self {
             mapper: Mapper::new(settings),
             settings,
+            recognised: Vec::new(),
             record,
         }
     }
@@ -59,6 +63,7 @@ impl Mapping for CoreMapping {
         let step = self
             .mapper
             .add_scan_watched(&scan.scan, scan.odometry, &mut |stage| clock.enter(stage.name()));
+        self.recognised.push(step.recognised);
         if let Some(record) = &mut self.record {
             clock.enter("record");
             record.step(&self.mapper, scan, &step)?;
@@ -87,6 +92,7 @@ impl Mapping for CoreMapping {
         Ok(Finished {
             map,
             outcomes: outcomes.iter().map(outcome).collect(),
+            recognised: self.recognised,
             recorded,
         })
     }

@@ -229,14 +229,41 @@ fn a_build_with_exports_and_an_export_later_give_the_same_bytes() {
 }
 
 #[test]
+fn the_log_of_an_export_is_read_as_it_was_for_the_map() {
+    let bench = Bench::new();
+    let rows = format!("2.5 {}\n", ["1.5"; 60].join(" ")).repeat(3);
+    bench.write("x.txt", &rows);
+    let rows: String = (0..3).map(|k| format!("{k},,0,0,0,placed,\n")).collect();
+    bench.write("trajectory.csv", &format!("{HEAD}{rows}"));
+    let (code, said) = bench.run("export map.json --to carmen --log x.txt");
+    assert_eq!(code, Some(1), "{said}");
+    let words = ["export", "map.json", "--to", "carmen", "--layout"];
+    let layout = "skip range_m*60 first_deg=-90 step_deg=3";
+    let run = |more: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_polymapper"));
+        command.args(words).arg(layout).args(more);
+        command
+            .current_dir(bench.0.path())
+            .output()
+            .unwrap()
+            .status
+            .code()
+    };
+    assert_eq!(run(&[]), Some(2), "a layout without a log is wrong usage");
+    assert_eq!(run(&["--log", "x.txt", "--salvage"]), Some(0));
+    let line = "ROBOTLASER1 0 -1.5707963267948966 ";
+    assert_eq!(bench.read("map.corrected.log").matches(line).count(), 3);
+}
+
+#[test]
 fn a_corrected_log_and_a_graph_hold_the_poses_of_the_trajectory() {
     let bench = Bench::new();
     let log = sample().display().to_string();
     bench.done(&format!("build {log} -o out --export carmen,g2o"));
     let numbers =
         |text: &str| -> Vec<f64> { text.split_whitespace().filter_map(|n| n.parse().ok()).collect() };
-    let way: Vec<Vec<f64>> = bench
-        .read("out/trajectory.csv")
+    let trajectory = bench.read("out/trajectory.csv");
+    let way: Vec<Vec<f64>> = trajectory
         .lines()
         .skip(1)
         .map(|row| numbers(&row.replace(',', " "))[2..5].to_vec())
@@ -249,7 +276,7 @@ fn a_corrected_log_and_a_graph_hold_the_poses_of_the_trajectory() {
         let beams = all[0] as usize;
         assert_eq!(&all[1 + beams..4 + beams], pose.as_slice());
     }
-    // Edges lead from vertex to vertex.
+    // Edges lead from vertex to vertex: to the next, and to a place that was known.
     let graph = bench.read("out/map.g2o");
     let mut edges = 0;
     for edge in graph.lines().filter(|l| l.starts_with("EDGE_SE2")).map(numbers) {
@@ -262,7 +289,13 @@ fn a_corrected_log_and_a_graph_hold_the_poses_of_the_trajectory() {
         assert!((x - b[0]).hypot(y - b[1]) < 1e-4);
         edges += 1;
     }
-    assert_eq!(edges, way.len() - 1);
+    let recognised = trajectory
+        .lines()
+        .skip(1)
+        .filter(|row| !row.ends_with(','))
+        .count();
+    assert!(recognised > 0, "the loop in the sample is closed");
+    assert_eq!(edges, way.len() - 1 + recognised);
     // The log is one again.
     bench.done("extract out/map.corrected.log -o lines.jsonl");
 }

@@ -110,6 +110,18 @@ fn inspect_says_what_is_in_a_log_and_what_is_left_out() {
 }
 
 #[test]
+fn scans_without_stamps_follow_each_other_in_a_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let place = |name: &str| folder.path().join(name).display().to_string();
+    let rows = "# layout: range_m*3 first_deg=-90 step_deg=90\n".to_owned() + &"1,2,3\n".repeat(4);
+    fs::write(place("x.csv"), rows).unwrap();
+    let output = polymapper(&["convert", &place("x.csv"), &place("x.mcap")]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let said = text(&polymapper(&["inspect", &place("x.mcap")]).stdout);
+    assert!(said.contains("stamps      0.000 to 0.300 s, 10.0 Hz"), "{said}");
+}
+
+#[test]
 fn a_csv_file_needs_its_bearings_told() {
     let folder = tempfile::tempdir().unwrap();
     let log = folder.path().join("x.csv");

@@ -42,7 +42,7 @@ impl ReadProgress {
 pub(crate) struct Input {
     /// The name for messages.
     pub name: String,
-    /// The first decompressed bytes, as many as there are, at most [`HEAD_BYTES`].
+    /// The first decompressed bytes, as many as there are, at most [`HEAD_BYTES`], without a byte order mark.
     pub head: Vec<u8>,
     /// What follows the head. A fault met while the head was read comes first.
     rest: Box<dyn BufRead>,
@@ -113,7 +113,7 @@ impl Input {
         }
         Ok(Self {
             name,
-            head,
+            head: without_mark(&head).to_vec(),
             rest,
             progress,
             compression,
@@ -125,7 +125,7 @@ impl Input {
     pub fn begun(name: String, head: Vec<u8>, rest: Box<dyn BufRead>) -> Self {
         Self {
             name,
-            head,
+            head: without_mark(&head).to_vec(),
             rest,
             progress: ReadProgress::default(),
             compression: None,
@@ -142,6 +142,11 @@ impl Input {
     pub fn into_stream(self) -> Box<dyn BufRead> {
         Box::new(Cursor::new(self.head).chain(self.rest))
     }
+}
+
+/// The first bytes without the mark that some editors put before text in UTF-8. No binary log begins with it.
+pub(crate) fn without_mark(head: &[u8]) -> &[u8] {
+    head.strip_prefix("\u{feff}".as_bytes()).unwrap_or(head)
 }
 
 fn open_source(path: &Path, name: &str) -> Result<(Box<dyn Read>, Option<u64>), LogError> {

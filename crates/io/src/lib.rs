@@ -6,13 +6,13 @@
 //! matter of this crate.
 
 mod compression;
-pub mod convert;
 mod georef;
 pub mod import;
 mod input;
 pub mod inspect;
 mod lines;
 pub mod log;
+pub mod log_out;
 pub mod out;
 
 pub use georef::{Geographic, Georef, GeorefError, UtmZone};

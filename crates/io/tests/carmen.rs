@@ -74,6 +74,21 @@ fn fault_of(line: &str) -> String {
 }
 
 #[test]
+fn a_byte_order_mark_costs_no_scan() {
+    let folder = tempfile::tempdir().unwrap();
+    let columns = "# layout: range_m*3 first_deg=-90 step_deg=90\n1,2,3\n";
+    let json = "{\"ranges_m\": [1, 2, 3]}\n";
+    for text in [flaser(5, 5).as_str(), columns, json] {
+        let marked = format!("\u{feff}{text}");
+        let path = file(folder.path(), "marked", marked.as_bytes());
+        let scans = log::open(&path, ReadOptions::default()).unwrap().count();
+        let stream = std::io::Cursor::new(marked);
+        let live = log::open_live("stream", stream, ReadOptions::default()).unwrap();
+        assert_eq!((scans, live.count()), (1, 1), "{text}");
+    }
+}
+
+#[test]
 fn the_beam_count_tells_the_bearings() {
     for (beams, first_deg, last_deg) in [
         (180, -90.0, 89.0),

@@ -248,10 +248,19 @@ fn the_wider_of_two_lasers_is_read_unless_another_is_asked_for() {
         laser: Some("depth".to_owned()),
         ..ReadOptions::default()
     };
-    let (scans, tally) = read_with(file, asked);
+    let (scans, tally) = read_with(file.clone(), asked);
     assert_eq!(
         (scans[1].scan.geometry().beams(), tally.laser.as_deref()),
         (3, Some("/depth"))
+    );
+    let absent = ReadOptions {
+        laser: Some("/front".to_owned()),
+        ..ReadOptions::default()
+    };
+    let error = open(file, absent).next().unwrap().unwrap_err().to_string();
+    assert!(
+        error.contains("2 /scan (sensor_msgs/LaserScan) (another laser; --topic /scan reads it)"),
+        "{error}"
     );
 }
 

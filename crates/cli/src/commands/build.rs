@@ -91,7 +91,7 @@ pub fn build(
     let settings = mapper.settings();
     let finished = mapper.finish(reading.partial.as_deref(), &mut clock)?;
     clock.enter("write");
-    let rows = trajectory(lines, finished.outcomes)?;
+    let rows = trajectory(lines, finished.outcomes, &finished.recognised)?;
     write_result(folder, &finished.map, &rows, reading.partial.as_deref())?;
     clock.enter("draw");
     pictures::write(folder, &finished.map, &rows, log.name())?;
@@ -150,15 +150,24 @@ impl LaserLine {
     }
 }
 
-/// A row for every laser line: the mapper's outcomes in order, and between them the lines that it never saw.
-fn trajectory(lines: Vec<LaserLine>, outcomes: Vec<Outcome>) -> anyhow::Result<Vec<TrajectoryRow>> {
-    let mut outcomes = outcomes.into_iter();
+/// A row for every laser line: what the mapper says of the scans that it saw, in order, and between them the lines
+/// that it never saw.
+fn trajectory(
+    lines: Vec<LaserLine>,
+    outcomes: Vec<Outcome>,
+    recognised: &[Option<usize>],
+) -> anyhow::Result<Vec<TrajectoryRow>> {
+    // The mapper counts scans, the trajectory laser lines.
+    let usable = lines.iter().enumerate().filter(|(_, line)| line.fault.is_none());
+    let places: Vec<usize> = usable.map(|(place, _)| place).collect();
+    let mut seen = outcomes.into_iter().zip(recognised);
     let row = |(scan, line): (usize, LaserLine)| {
-        let outcome = match line.fault {
-            Some((number, fault)) => Outcome::NotPlaced {
-                reason: format!("{UNUSABLE} {number}: {fault}"),
-            },
-            None => outcomes
+        let (outcome, recognised) = match line.fault {
+            Some((number, fault)) => {
+                let reason = format!("{UNUSABLE} {number}: {fault}");
+                (Outcome::NotPlaced { reason }, &None)
+            }
+            None => seen
                 .next()
                 .with_context(|| format!("the mapper says nothing about scan {scan}"))?,
         };
@@ -166,6 +175,7 @@ fn trajectory(lines: Vec<LaserLine>, outcomes: Vec<Outcome>) -> anyhow::Result<V
             scan,
             stamp_s: line.stamp_s,
             outcome,
+            recognised: recognised.and_then(|number| places.get(number).copied()),
         })
     };
     lines.into_iter().enumerate().map(row).collect()
@@ -307,6 +317,8 @@ mod tests {
                     polylines: vec![wall],
                     eraser_boxes: Vec::new(),
                 },
+                // Every scan after the first is at the place of the first.
+                recognised: (0..self.outcomes.len()).map(|k| (k > 0).then_some(0)).collect(),
                 outcomes: self.outcomes,
                 recorded: None,
             })
@@ -347,14 +359,14 @@ mod tests {
 
     #[test]
     fn every_laser_line_has_its_row_and_reason() {
-        let text = format!("{GOOD}{WRONG}{BLIND}{GOOD}");
+        let text = format!("{WRONG}{GOOD}{BLIND}{GOOD}");
         let built = build_text(&text, Rail::default(), &Interrupt::default());
         assert_eq!(built.finish.as_ref().unwrap(), &Finish::WithLoss);
-        let expected = "scan,stamp_s,x_m,y_m,theta_rad,outcome,reason\n\
-             0,5.500000,0.0000,0.0000,0.000000,placed,\n\
-             1,,,,,not_placed,\"unusable line 2: 3 ranges, but the header says 4\"\n\
-             2,6.500000,,,,not_placed,no returns\n\
-             3,5.500000,2.0000,0.0000,0.000000,placed,\n";
+        let expected = "scan,stamp_s,x_m,y_m,theta_rad,outcome,reason,recognised\n\
+             0,,,,,not_placed,\"unusable line 1: 3 ranges, but the header says 4\",\n\
+             1,5.500000,0.0000,0.0000,0.000000,placed,,\n\
+             2,6.500000,,,,not_placed,no returns,1\n\
+             3,5.500000,2.0000,0.0000,0.000000,placed,,1\n";
         assert_eq!(built.read("trajectory.csv"), expected);
         let scans = &built.report()["scans"];
         assert_eq!(

@@ -6,8 +6,8 @@ use std::path::Path;
 use anyhow::Context;
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use polymapper_io::convert::LogFormat;
 use polymapper_io::log::{Entry, ReadOptions};
+use polymapper_io::log_out::LogFormat;
 use polymapper_io::out::AtomicFile;
 
 use crate::args::ConvertArgs;

@@ -3,18 +3,20 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use polymapper_io::log::ReadOptions;
 use polymapper_io::out::formats::{ExportFormat, ScanSource};
 use polymapper_io::out::{prepare_folder, read_map, read_trajectory_csv};
 
 use crate::Finish;
+use crate::args::ReadingChoice;
 use crate::exports::{ExportChoice, Exported, LogScans, format_parser, use_scans, write_all};
 use crate::talk::say;
 
 /// Name of the trajectory that `build` puts beside a map.
 const TRAJECTORY: &str = "trajectory.csv";
 
+// How a log is read is nothing without a log.
 #[derive(clap::Args)]
+#[command(mut_group("ReadingChoice", |choice| choice.requires("log")))]
 pub struct ExportArgs {
     /// Map to export, as `build` wrote it
     pub map: PathBuf,
@@ -33,9 +35,9 @@ pub struct ExportArgs {
     /// Log that the map was built of: nav2 and mcap carve free space from its scans, carmen writes them anew
     #[arg(long)]
     pub log: Option<PathBuf>,
-    /// Kind of message to read from the log, as it was given to `build`
-    #[arg(long, value_name = "KIND", requires = "log")]
-    pub laser: Option<String>,
+    /// As it was given to `build`.
+    #[command(flatten)]
+    pub reading: ReadingChoice,
     #[command(flatten)]
     pub choice: ExportChoice,
 }
@@ -58,13 +60,7 @@ pub fn run(args: &ExportArgs) -> anyhow::Result<Finish> {
         say(format_args!("trajectory: {}", place.display()));
     }
     let scans = match (&args.log, &rows) {
-        (Some(log), Some(rows)) => {
-            let options = ReadOptions {
-                laser: args.laser.clone(),
-                ..ReadOptions::default()
-            };
-            Some(LogScans::new(log, options, rows)?)
-        }
+        (Some(log), Some(rows)) => Some(LogScans::new(log, args.reading.read_options(), rows)?),
         (Some(_), None) => {
             anyhow::bail!("--log needs the poses of its scans: give --trajectory trajectory.csv")
         }

@@ -122,8 +122,19 @@ fn write_ranges(out: &mut impl Write, found: &Inspection) -> io::Result<()> {
     writeln!(out, "no return   {}", codes.join(", "))
 }
 
+/// A time in seconds, to a millisecond unless it is none that a clock can show.
+fn time(seconds: f64) -> String {
+    const LATEST_S: f64 = 1e12;
+    if seconds.abs() < LATEST_S {
+        format!("{seconds:.3}")
+    } else {
+        format!("{seconds:e}")
+    }
+}
+
 fn write_stamps(out: &mut impl Write, stamps: &Stamps, scans: usize) -> io::Result<()> {
-    write!(out, "stamps      {:.3} to {:.3} s", stamps.first_s, stamps.last_s)?;
+    let (first, last) = (time(stamps.first_s), time(stamps.last_s));
+    write!(out, "stamps      {first} to {last} s")?;
     match stamps.median_step_s {
         Some(_) if stamps.are_useless() => write!(out, ", useless: most are no later than the one before")?,
         Some(step_s) => write!(out, ", {:.1} Hz", 1.0 / step_s)?,
@@ -150,4 +161,15 @@ fn write_stamps(out: &mut impl Write, stamps: &Stamps, scans: usize) -> io::Resu
         )?;
     }
     writeln!(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stamp_that_no_clock_shows_is_said_in_a_word() {
+        assert_eq!(time(976_052_857.337_8), "976052857.338");
+        assert_eq!(time(1e300), "1e300");
+    }
 }

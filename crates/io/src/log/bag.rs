@@ -9,9 +9,9 @@
 //! record cannot be reached by the lengths: reading ends there and says so, or goes on behind the entries when it
 //! is asked to ([`ReadOptions::salvage`]).
 
-use std::io::{self, BufRead, Read};
+use std::io;
 
-use super::chunks::{Layer, broken, cut, read_up_to};
+use super::chunks::{Records, broken};
 use super::ros::{Channel, Encoding, MAX_MESSAGE_BYTES, Message, Messages};
 use super::{LogError, ReadOptions, ScanReader, ros};
 use crate::input::Input;
@@ -28,15 +28,12 @@ pub(super) fn recognise(head: &[u8]) -> bool {
 
 pub(super) fn open(input: Input, options: &ReadOptions) -> Result<Box<dyn ScanReader>, LogError> {
     ros::open(input, options, |input, options| {
-        let mut stream = input.into_stream();
-        stream.consume(MAGIC.len());
         Ok(Box::new(BagMessages {
-            layer: Layer::File(stream),
+            records: Records::behind(MAGIC, input.into_stream()),
             connections: Vec::new(),
             record: Record::default(),
             salvage: options.salvage,
             lost: None,
-            read_bytes: MAGIC.len() as u64,
         }))
     })
 }
@@ -60,21 +57,20 @@ mod op {
 }
 
 struct BagMessages {
-    layer: Layer,
+    records: Records,
     /// By their number.
     connections: Vec<Option<Channel>>,
     record: Record,
     salvage: bool,
     /// What is not read, and why.
     lost: Option<String>,
-    read_bytes: u64,
 }
 
 impl Messages for BagMessages {
     fn next_message(&mut self) -> io::Result<Option<Message<'_>>> {
         let (id, recorded_s) = loop {
             if !self.read_head()? {
-                if self.layer.leave()? {
+                if self.records.leave()? {
                     continue;
                 }
                 return Ok(None);
@@ -86,7 +82,7 @@ impl Messages for BagMessages {
                     let compression = head.text("compression");
                     // The records of a chunk that is not packed stand in the file like any other.
                     if compression != "none" {
-                        self.layer.enter(&compression, u64::from(data_bytes), None)?;
+                        self.records.enter(&compression, u64::from(data_bytes), None)?;
                     }
                 }
                 Some(op::CONNECTION) => self.read_connection(data_bytes)?,
@@ -106,7 +102,7 @@ impl Messages for BagMessages {
                         return Ok(None);
                     }
                 }
-                _ => self.skip(u64::from(data_bytes))?,
+                _ => self.records.skip(u64::from(data_bytes))?,
             }
         };
         let Some(channel) = self.connections[id].as_ref() else {
@@ -121,7 +117,7 @@ impl Messages for BagMessages {
     }
 
     fn read_bytes(&self) -> u64 {
-        self.read_bytes
+        self.records.read_bytes()
     }
 
     fn lost(&self) -> Option<String> {
@@ -132,7 +128,7 @@ impl Messages for BagMessages {
 impl BagMessages {
     /// Reads the head of the next record; `false` at the end of the chunk or file.
     fn read_head(&mut self) -> io::Result<bool> {
-        if self.layer.stream()?.fill_buf()?.is_empty() {
+        if self.records.at_end()? {
             return Ok(false);
         }
         let bytes = self.length("the length of a record's head")? as usize;
@@ -141,56 +137,41 @@ impl BagMessages {
                 "the head of a record says that it has {bytes} bytes, at most {MAX_HEAD_BYTES} are expected"
             )));
         }
-        self.record.head.clear();
-        let stream = self.layer.stream()?;
-        read_up_to(stream, bytes, &mut self.record.head, "the head of a record")?;
-        self.read_bytes += bytes as u64;
+        let head = &mut self.record.head;
+        self.records
+            .read_into(head, bytes as u64, "the head of a record")?;
         Ok(true)
     }
 
     fn length(&mut self, what: &str) -> io::Result<u32> {
-        let mut bytes = [0; 4];
-        let outcome = self.layer.stream()?.read_exact(&mut bytes);
-        outcome.map_err(|error| cut(error, what))?;
-        self.read_bytes += 4;
-        Ok(u32::from_le_bytes(bytes))
+        Ok(u32::from_le_bytes(self.records.read_array(what)?))
     }
 
     /// Reads the data of a record; `false` when they are too long to be held and skipped.
     fn read_data(&mut self, bytes: u32) -> io::Result<bool> {
-        self.record.data.clear();
-        if bytes as usize > MAX_MESSAGE_BYTES {
-            self.skip(u64::from(bytes))?;
-            return Ok(false);
+        let is_short = bytes as usize <= MAX_MESSAGE_BYTES;
+        if is_short {
+            let data = &mut self.record.data;
+            self.records.read_into(data, u64::from(bytes), "a record")?;
+        } else {
+            self.records.skip(u64::from(bytes))?;
         }
-        let stream = self.layer.stream()?;
-        read_up_to(stream, bytes as usize, &mut self.record.data, "a record")?;
-        self.read_bytes += u64::from(bytes);
-        Ok(true)
-    }
-
-    fn skip(&mut self, bytes: u64) -> io::Result<()> {
-        let skipped = io::copy(&mut self.layer.stream()?.take(bytes), &mut io::sink())?;
-        self.read_bytes += skipped;
-        if skipped < bytes {
-            return Err(cut(io::ErrorKind::UnexpectedEof.into(), "a record"));
-        }
-        Ok(())
+        Ok(is_short)
     }
 
     /// Skips an index; `false` when what follows cannot be reached.
     fn pass_index(&mut self, bytes: u64, entries: Option<u64>) -> io::Result<bool> {
         let Some(needed) = entries.filter(|&needed| needed != bytes) else {
-            return self.skip(bytes).map(|()| true);
+            return self.records.skip(bytes).map(|()| true);
         };
-        let place = self.read_bytes;
+        let place = self.records.read_bytes();
         if self.salvage {
             self.lost = Some(format!(
                 "an index at byte {place} says {bytes} bytes and has entries of {needed}: read on behind the entries"
             ));
-            return self.skip(needed).map(|()| true);
+            return self.records.skip(needed).map(|()| true);
         }
-        self.skip(needed)?;
+        self.records.skip(needed)?;
         if self.read_head()? && Head(&self.record.head).byte("op") == Some(op::CHUNK) {
             self.lost = Some(format!(
                 "an index at byte {place} says {bytes} bytes and has entries of {needed}: what follows is not read; --salvage reads it"
@@ -209,11 +190,8 @@ impl BagMessages {
             return Ok(());
         };
         let kind = Head(&self.record.data).text("type");
-        let id = id as usize;
-        if self.connections.len() <= id {
-            self.connections.resize(id + 1, None);
-        }
-        self.connections[id] = Some(Channel::new(&topic, &kind, Ok(Encoding::Ros1)));
+        let channel = Channel::new(&topic, &kind, Ok(Encoding::Ros1));
+        ros::put_at(&mut self.connections, id as usize, channel);
         Ok(())
     }
 }

@@ -12,8 +12,13 @@ const CHUNK_BUFFER_BYTES: usize = 64 * 1024;
 
 type Stream = Box<dyn BufRead>;
 
-/// What records are read from.
-pub(super) enum Layer {
+/// What records are read from, and how much was.
+pub(super) struct Records {
+    layer: Layer,
+    read_bytes: u64,
+}
+
+enum Layer {
     File(Stream),
     /// A chunk, and with it the file around.
     Chunk(BufReader<Chunk>),
@@ -22,7 +27,7 @@ pub(super) enum Layer {
 }
 
 /// A chunk being unpacked.
-pub(super) struct Chunk {
+struct Chunk {
     unpacker: Unpacker,
     /// Checksum so far, and what it should be at the end.
     checksum: Option<(Crc, u32)>,
@@ -79,8 +84,70 @@ impl Read for Chunk {
     }
 }
 
+impl Records {
+    /// The records of a file, behind the `magic` with which it begins.
+    pub fn behind(magic: &[u8], mut file: Stream) -> Self {
+        file.consume(magic.len());
+        Self {
+            layer: Layer::File(file),
+            read_bytes: magic.len() as u64,
+        }
+    }
+
+    /// Bytes read so far, unpacked.
+    pub fn read_bytes(&self) -> u64 {
+        self.read_bytes
+    }
+
+    /// Whether the chunk, or the file outside of one, is read to its end.
+    pub fn at_end(&mut self) -> io::Result<bool> {
+        Ok(self.layer.stream()?.fill_buf()?.is_empty())
+    }
+
+    /// Reads `N` bytes of `what`.
+    pub fn read_array<const N: usize>(&mut self, what: &str) -> io::Result<[u8; N]> {
+        let mut array = [0; N];
+        let outcome = self.layer.stream()?.read_exact(&mut array);
+        outcome.map_err(|error| cut(error, what))?;
+        self.read_bytes += N as u64;
+        Ok(array)
+    }
+
+    /// Reads `bytes` bytes of `what` into `buffer`, in place of what is there. It grows with what there is to
+    /// read, whatever length was announced.
+    pub fn read_into(&mut self, buffer: &mut Vec<u8>, bytes: u64, what: &str) -> io::Result<()> {
+        buffer.clear();
+        let read = self.layer.stream()?.take(bytes).read_to_end(buffer)? as u64;
+        self.passed(read, bytes, what)
+    }
+
+    /// Passes over `bytes` bytes of a record.
+    pub fn skip(&mut self, bytes: u64) -> io::Result<()> {
+        let skipped = io::copy(&mut self.layer.stream()?.take(bytes), &mut io::sink())?;
+        self.passed(skipped, bytes, "a record")
+    }
+
+    fn passed(&mut self, read: u64, expected: u64, what: &str) -> io::Result<()> {
+        self.read_bytes += read;
+        if read < expected {
+            return Err(cut(io::ErrorKind::UnexpectedEof.into(), what));
+        }
+        Ok(())
+    }
+
+    /// Goes into a chunk of `bytes` bytes; `checksum` is the CRC-32 of what is in it, if that is known.
+    pub fn enter(&mut self, compression: &str, bytes: u64, checksum: Option<u32>) -> io::Result<()> {
+        self.layer.enter(compression, bytes, checksum)
+    }
+
+    /// Goes back to the file at the end of a chunk; `false` at the end of the file.
+    pub fn leave(&mut self) -> io::Result<bool> {
+        self.layer.leave()
+    }
+}
+
 impl Layer {
-    pub fn stream(&mut self) -> io::Result<&mut dyn BufRead> {
+    fn stream(&mut self) -> io::Result<&mut dyn BufRead> {
         match self {
             Self::File(stream) => Ok(stream),
             Self::Chunk(stream) => Ok(stream),
@@ -88,8 +155,7 @@ impl Layer {
         }
     }
 
-    /// Goes into a chunk of `bytes` bytes; `checksum` is the CRC-32 of what is in it, if that is known.
-    pub fn enter(&mut self, compression: &str, bytes: u64, checksum: Option<u32>) -> io::Result<()> {
+    fn enter(&mut self, compression: &str, bytes: u64, checksum: Option<u32>) -> io::Result<()> {
         let Self::File(stream) = std::mem::replace(self, Self::Lost) else {
             return Err(broken("a chunk within a chunk".to_owned()));
         };
@@ -101,8 +167,7 @@ impl Layer {
         Ok(())
     }
 
-    /// Goes back to the file at the end of a chunk; `false` at the end of the file.
-    pub fn leave(&mut self) -> io::Result<bool> {
+    fn leave(&mut self) -> io::Result<bool> {
         match std::mem::replace(self, Self::Lost) {
             Self::Chunk(chunk) => {
                 let chunk = chunk.into_inner();
@@ -125,26 +190,12 @@ impl Layer {
     }
 }
 
-/// Appends `bytes` bytes; the buffer grows with what is there, whatever length was announced.
-pub(super) fn read_up_to(
-    stream: &mut dyn BufRead,
-    bytes: usize,
-    buffer: &mut Vec<u8>,
-    what: &str,
-) -> io::Result<()> {
-    let read = stream.take(bytes as u64).read_to_end(buffer)?;
-    if read < bytes {
-        return Err(cut(io::ErrorKind::UnexpectedEof.into(), what));
-    }
-    Ok(())
-}
-
 pub(super) fn broken(what: String) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, what)
 }
 
 /// An end of the file gets words; other faults pass.
-pub(super) fn cut(error: io::Error, what: &str) -> io::Error {
+fn cut(error: io::Error, what: &str) -> io::Error {
     if error.kind() == io::ErrorKind::UnexpectedEof {
         return io::Error::new(error.kind(), format!("the file is cut within {what}"));
     }

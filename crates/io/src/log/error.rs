@@ -108,9 +108,9 @@ impl LogError {
             let bytes: Vec<String> = head.iter().take(8).map(|b| format!("{b:02x}")).collect();
             format!("binary data, {} ..", bytes.join(" "))
         };
-        let formats: Vec<&str> = super::FORMATS
+        let formats: Vec<&str> = super::formats::FORMATS
             .iter()
-            .chain([&super::COLUMNS])
+            .chain([&super::formats::COLUMNS])
             .map(|f| f.name)
             .collect();
         Self::Unrecognised {

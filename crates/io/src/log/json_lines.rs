@@ -29,9 +29,9 @@ use serde_json::{Map, Value};
 
 use super::columns::EvenBearings;
 use super::keeper::{Keeper, Reading};
+use super::text::{TextLines, as_bytes};
 use super::{Entry, LineFault, LogError, LogScan, MAX_BEAMS, ReadOptions, ScanReader, Tally, Unit};
 use crate::input::Input;
-use crate::lines::{Lines, MAX_LINE_BYTES};
 
 /// The name under which ranges may come without bearings.
 const OWN_RANGES: &str = "ranges_m";
@@ -84,70 +84,44 @@ pub(super) fn recognise(head: &[u8]) -> bool {
 
 pub(super) fn open(input: Input, options: &ReadOptions) -> Result<Box<dyn ScanReader>, LogError> {
     Ok(Box::new(JsonLinesReader {
-        name: input.name.clone(),
-        lines: Lines::new(input.into_stream()),
+        lines: TextLines::new(input),
         use_odometry: options.use_odometry,
         even: EvenBearings::default(),
-        ended: false,
         keeper: Keeper::new(Unit::Line, options),
-        lines_before: 0,
     }))
 }
 
 struct JsonLinesReader {
-    name: String,
-    lines: Lines,
+    lines: TextLines,
     use_odometry: bool,
     even: EvenBearings,
-    ended: bool,
     keeper: Keeper,
-    lines_before: u64,
 }
 
 impl ScanReader for JsonLinesReader {
     fn next_entry(&mut self) -> Option<Result<Entry, LogError>> {
-        while !self.ended {
-            match self.lines.next_line() {
-                Ok(None) => return None,
-                Ok(Some(line)) if line.bytes.is_empty() => {}
-                Ok(Some(line)) if line.too_long => {
-                    let fault = LineFault::TooLong {
-                        limit: MAX_LINE_BYTES,
-                    };
-                    return Some(Ok(self.keeper.entry(line.number, Err(fault))));
-                }
-                Ok(Some(line)) => {
-                    let number = line.number;
-                    let reading = parse(line.bytes).and_then(|object| self.reading(&object));
-                    return Some(Ok(self.keeper.entry(number, reading)));
-                }
-                Err(source) => {
-                    self.ended = true;
-                    return Some(Err(LogError::Broken {
-                        name: self.name.clone(),
-                        line: self.lines.number(),
-                        unit: Unit::Line,
-                        source,
-                    }));
-                }
+        loop {
+            let line = match self.lines.next_line()? {
+                Ok(line) => line,
+                Err(broken) => return Some(Err(broken)),
+            };
+            if line.bytes.is_empty() {
+                continue;
             }
+            let number = line.number;
+            let object = as_bytes(&line).and_then(parse);
+            let reading = object.and_then(|object| self.reading(&object));
+            return Some(Ok(self.keeper.entry(number, reading)));
         }
-        None
     }
 
     fn continue_with(&mut self, input: Input) -> Result<(), LogError> {
-        self.lines_before += self.lines.number();
-        input.name.clone_into(&mut self.name);
-        self.lines.continue_with(input.into_stream());
+        self.lines.continue_with(input);
         Ok(())
     }
 
     fn tally(&self) -> Tally {
-        Tally {
-            lines: self.lines_before + self.lines.number(),
-            bytes: self.lines.read_bytes(),
-            ..self.keeper.tally.clone()
-        }
+        self.lines.tally(&self.keeper)
     }
 }
 

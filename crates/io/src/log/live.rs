@@ -7,7 +7,7 @@ use std::io::{BufRead, Read};
 
 use super::{Log, LogError, ReadOptions, format_of, open_input};
 use crate::compression::unpacked;
-use crate::input::Input;
+use crate::input::{Input, without_mark};
 use crate::lines::MAX_LINE_BYTES;
 
 /// Lines of comments and other messages before the first scan that are waited for.
@@ -41,7 +41,7 @@ pub fn open_live(name: &str, stream: impl BufRead + 'static, options: ReadOption
             continue;
         }
         look_at = head.len() + head.len() / LOOK_AGAIN;
-        let known = format_of(&head, &options).is_some();
+        let known = format_of(without_mark(&head), &options).is_some();
         if known || read == 0 || head.len() > MOST_HEAD_BYTES {
             return open_input(Input::begun(name, head, stream), &options);
         }

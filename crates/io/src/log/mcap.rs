@@ -8,9 +8,9 @@
 //! checked (a record longer than its chunk is a subtraction that overflows, found by fuzzing in a second).
 
 use std::collections::BTreeMap;
-use std::io::{self, Read};
+use std::io;
 
-use super::chunks::{Layer, broken, cut, read_up_to};
+use super::chunks::{Records, broken};
 use super::ros::{Channel, Encoding, MAX_MESSAGE_BYTES, Message, Messages};
 use super::{LogError, ReadOptions, ScanReader, ros};
 use crate::input::Input;
@@ -36,35 +36,30 @@ pub(super) fn recognise(head: &[u8]) -> bool {
 
 pub(super) fn open(input: Input, options: &ReadOptions) -> Result<Box<dyn ScanReader>, LogError> {
     ros::open(input, options, |input, _| {
-        let mut stream = input.into_stream();
-        stream.consume(MAGIC.len());
         Ok(Box::new(McapMessages {
-            layer: Layer::File(stream),
+            records: Records::behind(MAGIC, input.into_stream()),
             schemas: BTreeMap::new(),
             channels: Vec::new(),
             data: Vec::new(),
-            read_bytes: MAGIC.len() as u64,
         }))
     })
 }
 
 struct McapMessages {
-    layer: Layer,
+    records: Records,
     /// Names of types.
     schemas: BTreeMap<u16, String>,
     /// By their number.
     channels: Vec<Option<Channel>>,
     /// Of the record being read; used again.
     data: Vec<u8>,
-    /// After decompression.
-    read_bytes: u64,
 }
 
 impl Messages for McapMessages {
     fn next_message(&mut self) -> io::Result<Option<Message<'_>>> {
         let (id, recorded_s) = loop {
             let Some((kind, bytes)) = self.read_head()? else {
-                if self.layer.leave()? {
+                if self.records.leave()? {
                     continue;
                 }
                 return Err(broken("the file ends without its footer".to_owned()));
@@ -75,14 +70,14 @@ impl Messages for McapMessages {
                 op::SCHEMA if bytes <= MAX_DEFINITION_BYTES => self.read_schema(bytes)?,
                 op::CHANNEL if bytes <= MAX_DEFINITION_BYTES => self.read_channel(bytes)?,
                 op::MESSAGE if (MESSAGE_HEAD as u64..=MAX_MESSAGE_BYTES as u64).contains(&bytes) => {
-                    let head = self.read_array::<MESSAGE_HEAD>("the head of a message")?;
+                    let head = self.records.read_array::<MESSAGE_HEAD>("the head of a message")?;
                     self.read_data(bytes - MESSAGE_HEAD as u64)?;
                     let id = usize::from(u16::from_le_bytes([head[0], head[1]]));
                     if self.channels.get(id).is_some_and(Option::is_some) {
                         break (id, log_time_s(&head));
                     }
                 }
-                _ => self.skip(bytes)?,
+                _ => self.records.skip(bytes)?,
             }
         };
         let Some(channel) = self.channels[id].as_ref() else {
@@ -97,52 +92,33 @@ impl Messages for McapMessages {
     }
 
     fn read_bytes(&self) -> u64 {
-        self.read_bytes
+        self.records.read_bytes()
     }
 }
 
 impl McapMessages {
     /// Kind and length of the next record; `None` at the end of the chunk or file.
     fn read_head(&mut self) -> io::Result<Option<(u8, u64)>> {
-        if self.layer.stream()?.fill_buf()?.is_empty() {
+        if self.records.at_end()? {
             return Ok(None);
         }
-        let [kind] = self.read_array("the head of a record")?;
-        let bytes = self.read_array("the head of a record")?;
+        let [kind] = self.records.read_array("the head of a record")?;
+        let bytes = self.records.read_array("the head of a record")?;
         Ok(Some((kind, u64::from_le_bytes(bytes))))
-    }
-
-    fn read_array<const N: usize>(&mut self, what: &str) -> io::Result<[u8; N]> {
-        let mut array = [0; N];
-        let outcome = self.layer.stream()?.read_exact(&mut array);
-        outcome.map_err(|error| cut(error, what))?;
-        self.read_bytes += N as u64;
-        Ok(array)
     }
 
     /// Reads the data of a record, whose length is within bounds.
     fn read_data(&mut self, bytes: u64) -> io::Result<()> {
-        self.data.clear();
-        read_up_to(self.layer.stream()?, bytes as usize, &mut self.data, "a record")?;
-        self.read_bytes += bytes;
-        Ok(())
-    }
-
-    fn skip(&mut self, bytes: u64) -> io::Result<()> {
-        let skipped = io::copy(&mut self.layer.stream()?.take(bytes), &mut io::sink())?;
-        self.read_bytes += skipped;
-        if skipped < bytes {
-            return Err(cut(io::ErrorKind::UnexpectedEof.into(), "a record"));
-        }
-        Ok(())
+        self.records.read_into(&mut self.data, bytes, "a record")
     }
 
     fn enter_chunk(&mut self, bytes: u64) -> io::Result<()> {
         const LONGEST_NAME: u32 = 64;
+        const HEAD: &str = "the head of a chunk";
         // Start and end time, length when unpacked.
-        self.read_array::<24>("the head of a chunk")?;
-        let checksum = u32::from_le_bytes(self.read_array("the head of a chunk")?);
-        let name_bytes = u32::from_le_bytes(self.read_array("the head of a chunk")?);
+        self.records.read_array::<24>(HEAD)?;
+        let checksum = u32::from_le_bytes(self.records.read_array(HEAD)?);
+        let name_bytes = u32::from_le_bytes(self.records.read_array(HEAD)?);
         if name_bytes > LONGEST_NAME {
             return Err(broken(format!(
                 "the name of a chunk's compression has {name_bytes} bytes, at most {LONGEST_NAME} are expected"
@@ -150,7 +126,7 @@ impl McapMessages {
         }
         self.read_data(u64::from(name_bytes))?;
         let compression = String::from_utf8_lossy(&self.data).into_owned();
-        let packed_bytes = u64::from_le_bytes(self.read_array("the head of a chunk")?);
+        let packed_bytes = u64::from_le_bytes(self.records.read_array(HEAD)?);
         let head_bytes = 24 + 4 + 4 + u64::from(name_bytes) + 8;
         if head_bytes.checked_add(packed_bytes) != Some(bytes) {
             return Err(broken(format!(
@@ -159,7 +135,7 @@ impl McapMessages {
         }
         // Zero: there is none.
         let checksum = (checksum != 0).then_some(checksum);
-        self.layer.enter(&compression, packed_bytes, checksum)
+        self.records.enter(&compression, packed_bytes, checksum)
     }
 
     fn read_schema(&mut self, bytes: u64) -> io::Result<()> {
@@ -186,11 +162,11 @@ impl McapMessages {
             _ => Err(encoding),
         };
         let kind = self.schemas.get(&schema).map_or("no type", String::as_str);
-        let id = usize::from(id);
-        if self.channels.len() <= id {
-            self.channels.resize(id + 1, None);
-        }
-        self.channels[id] = Some(Channel::new(&topic, kind, encoding));
+        ros::put_at(
+            &mut self.channels,
+            usize::from(id),
+            Channel::new(&topic, kind, encoding),
+        );
         Ok(())
     }
 }

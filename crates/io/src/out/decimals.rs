@@ -10,6 +10,11 @@ pub(super) fn rounded_5(value: f64) -> f64 {
     rounded(value, 1e5)
 }
 
+/// `value` rounded to 6 decimals.
+pub(super) fn rounded_6(value: f64) -> f64 {
+    rounded(value, 1e6)
+}
+
 fn rounded(value: f64, scale: f64) -> f64 {
     // Adding 0 turns −0 into 0.
     (value * scale).round() / scale + 0.0

@@ -49,6 +49,8 @@ pub struct InputReport {
     pub stamps_backwards: usize,
     /// Messages of other kinds, by name.
     pub other_messages: BTreeMap<String, u64>,
+    /// What of the log was not read although it does not break off, in words.
+    pub lost: Option<String>,
 }
 
 impl InputReport {
@@ -64,6 +66,7 @@ impl InputReport {
             odometry_used,
             stamps_backwards: tally.stamps_backwards,
             other_messages: tally.other_messages.clone(),
+            lost: tally.lost.clone(),
         }
     }
 }

@@ -16,7 +16,7 @@ pub enum Outcome {
     },
     /// It has none.
     NotPlaced {
-        /// Why, in words.
+        /// Why, as `docs/map-format.md` has it.
         reason: String,
     },
 }
@@ -30,9 +30,23 @@ pub struct TrajectoryRow {
     pub stamp_s: Option<f64>,
     /// Placed or not.
     pub outcome: Outcome,
+    /// Place in the log of the scan at whose place this one was recognised to be.
+    pub recognised: Option<usize>,
 }
 
-/// Writes `trajectory.csv`: `scan,stamp_s,x_m,y_m,theta_rad,outcome,reason`, a row for every scan.
+/// The columns of `trajectory.csv`.
+pub(super) const TRAJECTORY_COLUMNS: [&str; 8] = [
+    "scan",
+    "stamp_s",
+    "x_m",
+    "y_m",
+    "theta_rad",
+    "outcome",
+    "reason",
+    "recognised",
+];
+
+/// Writes `trajectory.csv`: `scan,stamp_s,x_m,y_m,theta_rad,outcome,reason,recognised`, a row for every scan.
 ///
 /// Fields that are not known are empty. Later versions may add columns at the end.
 ///
@@ -40,17 +54,18 @@ pub struct TrajectoryRow {
 /// Those of `out`.
 pub fn write_trajectory_csv(out: &mut impl Write, rows: &[TrajectoryRow]) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
-    csv.write_record(["scan", "stamp_s", "x_m", "y_m", "theta_rad", "outcome", "reason"])?;
+    csv.write_record(TRAJECTORY_COLUMNS)?;
     for row in rows {
         let stamp = row.stamp_s.map_or(String::new(), |s| format!("{s:.6}"));
         let scan = row.scan.to_string();
+        let known = row.recognised.map_or(String::new(), |scan| scan.to_string());
         match &row.outcome {
             Outcome::Placed { map_from_scan: p } => {
                 let (x, y, theta) = (metres(p.x), metres(p.y), radians(p.theta_rad));
-                csv.write_record([&scan, &stamp, &x, &y, &theta, "placed", ""])?;
+                csv.write_record([&scan, &stamp, &x, &y, &theta, "placed", "", &known])?;
             }
             Outcome::NotPlaced { reason } => {
-                csv.write_record([&scan, &stamp, "", "", "", "not_placed", reason])?;
+                csv.write_record([&scan, &stamp, "", "", "", "not_placed", reason, &known])?;
             }
         }
     }
@@ -97,24 +112,31 @@ mod tests {
     use super::*;
 
     fn rows() -> Vec<TrajectoryRow> {
-        let row = |scan, stamp_s, outcome| TrajectoryRow {
+        let row = |scan, stamp_s, outcome, recognised| TrajectoryRow {
             scan,
             stamp_s,
             outcome,
+            recognised,
         };
         let placed = |x, y, theta_rad| Outcome::Placed {
             map_from_scan: Pose::new(x, y, theta_rad),
         };
         vec![
-            row(0, Some(976_052_857.345_678), placed(0.0, -0.000_01, 0.0)),
+            row(0, Some(976_052_857.345_678), placed(0.0, -0.000_01, 0.0), None),
             row(
                 1,
                 None,
                 Outcome::NotPlaced {
                     reason: "line 7: 3 ranges, but the header says 4".to_owned(),
                 },
+                None,
             ),
-            row(2, Some(1.5), placed(1.0, 2.0, std::f64::consts::FRAC_PI_2)),
+            row(
+                2,
+                Some(1.5),
+                placed(1.0, 2.0, std::f64::consts::FRAC_PI_2),
+                Some(0),
+            ),
         ]
     }
 
@@ -126,10 +148,10 @@ mod tests {
 
     #[test]
     fn every_scan_has_a_row() {
-        let expected = "scan,stamp_s,x_m,y_m,theta_rad,outcome,reason\n\
-             0,976052857.345678,0.0000,0.0000,0.000000,placed,\n\
-             1,,,,,not_placed,\"line 7: 3 ranges, but the header says 4\"\n\
-             2,1.500000,1.0000,2.0000,1.570796,placed,\n";
+        let expected = "scan,stamp_s,x_m,y_m,theta_rad,outcome,reason,recognised\n\
+             0,976052857.345678,0.0000,0.0000,0.000000,placed,,\n\
+             1,,,,,not_placed,\"line 7: 3 ranges, but the header says 4\",\n\
+             2,1.500000,1.0000,2.0000,1.570796,placed,,0\n";
         assert_eq!(text(|out| write_trajectory_csv(out, &rows())), expected);
     }
 

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use polymapper_core::geometry::Pose;
 
-use super::trajectory::{Outcome, TrajectoryRow};
+use super::trajectory::{Outcome, TRAJECTORY_COLUMNS as NAMES, TrajectoryRow};
 
 /// Why a file is not a trajectory.
 #[derive(Debug, thiserror::Error)]
@@ -85,30 +85,29 @@ fn read(input: impl Read, name: &str) -> Result<Vec<TrajectoryRow>, TrajectoryFi
     Ok(rows)
 }
 
-const NAMES: [&str; 7] = ["scan", "stamp_s", "x_m", "y_m", "theta_rad", "outcome", "reason"];
+/// Columns that must be there; the others came later.
+const NEEDED: usize = 7;
 
-/// Where the columns of [`NAMES`] stand.
-struct Columns([usize; NAMES.len()]);
+/// Where the columns of a trajectory stand; `None` for one that is not there.
+struct Columns([Option<usize>; NAMES.len()]);
 
 /// Column, what was found, what is expected.
 type Fault = (&'static str, String, &'static str);
 
 impl Columns {
     fn find(header: &csv::StringRecord, name: &str) -> Result<Self, TrajectoryFileError> {
-        let mut places = [0; NAMES.len()];
-        for (place, column) in places.iter_mut().zip(NAMES) {
-            *place = header.iter().position(|field| field == column).ok_or_else(|| {
-                TrajectoryFileError::Column {
-                    name: name.to_owned(),
-                    column,
-                }
-            })?;
+        let places = NAMES.map(|column| header.iter().position(|field| field == column));
+        match places.iter().take(NEEDED).position(Option::is_none) {
+            Some(k) => Err(TrajectoryFileError::Column {
+                name: name.to_owned(),
+                column: NAMES[k],
+            }),
+            None => Ok(Self(places)),
         }
-        Ok(Self(places))
     }
 
     fn row(&self, record: &csv::StringRecord, expected_scan: usize) -> Result<TrajectoryRow, Fault> {
-        let field = |k: usize| record.get(self.0[k]).unwrap_or("");
+        let field = |k: usize| self.0[k].and_then(|place| record.get(place)).unwrap_or("");
         let number = |k: usize| {
             let value: Option<f64> = field(k).parse().ok().filter(|v: &f64| v.is_finite());
             value.ok_or((NAMES[k], field(k).to_owned(), "a number"))
@@ -130,10 +129,18 @@ impl Columns {
             },
             other => return Err((NAMES[5], other.to_owned(), "placed or not_placed")),
         };
+        let recognised = match field(7) {
+            "" => None,
+            scan => Some(
+                scan.parse()
+                    .map_err(|_| (NAMES[7], scan.to_owned(), "the number of a scan"))?,
+            ),
+        };
         Ok(TrajectoryRow {
             scan: expected_scan,
             stamp_s,
             outcome,
+            recognised,
         })
     }
 }
@@ -146,7 +153,7 @@ mod tests {
     const HEAD: &str = "scan,stamp_s,x_m,y_m,theta_rad,outcome,reason\n";
 
     #[test]
-    fn what_was_written_is_read_back_also_with_more_columns() {
+    fn what_was_written_is_read_back_also_with_other_columns() {
         let rows = vec![
             TrajectoryRow {
                 scan: 0,
@@ -154,6 +161,7 @@ mod tests {
                 outcome: Outcome::Placed {
                     map_from_scan: Pose::new(1.25, -2.0, 0.5),
                 },
+                recognised: None,
             },
             TrajectoryRow {
                 scan: 1,
@@ -161,6 +169,7 @@ mod tests {
                 outcome: Outcome::NotPlaced {
                     reason: "line 3: \"x\", and more".to_owned(),
                 },
+                recognised: Some(0),
             },
         ];
         let mut text = Vec::new();
@@ -179,5 +188,7 @@ mod tests {
         assert!(fault(&format!("{HEAD}5,1,2,3,4,placed,\n")).contains("the count of the rows before"));
         assert!(fault(&format!("{HEAD}0,1,NaN,3,4,placed,\n")).contains("`x_m` is \"NaN\""));
         assert!(fault(&format!("{HEAD}0,1,2,3,4,lost,\n")).contains("placed or not_placed"));
+        let known = fault("scan,stamp_s,x_m,y_m,theta_rad,outcome,reason,recognised\n0,1,2,3,4,placed,,-1\n");
+        assert!(known.contains("`recognised` is \"-1\""), "{known}");
     }
 }

@@ -15,9 +15,10 @@ mod flaser;
 mod robotlaser;
 
 use super::keeper::{Keeper, Reading};
+use super::text::{TextLines, as_text};
 use super::{Entry, LineFault, LogError, MAX_BEAMS, ReadOptions, ScanReader, Tally, Unit};
 use crate::input::Input;
-use crate::lines::{Line, Lines, MAX_LINE_BYTES};
+use crate::lines::Line;
 
 /// The kinds of laser lines, in the order in which they are preferred.
 const KINDS: &[&str] = &[
@@ -78,14 +79,11 @@ pub(super) fn open(input: Input, options: &ReadOptions) -> Result<Box<dyn ScanRe
         None => preferred_laser(&input.head).map(str::to_owned),
     };
     Ok(Box::new(CarmenReader {
-        name: input.name.clone(),
-        lines: Lines::new(input.into_stream()),
+        lines: TextLines::new(input),
         use_odometry: options.use_odometry,
         laser,
         flaser: flaser::Layout::default(),
-        ended: false,
         keeper: Keeper::new(Unit::Line, options),
-        lines_before: 0,
     }))
 }
 
@@ -98,36 +96,20 @@ fn preferred_laser(head: &[u8]) -> Option<&'static str> {
 }
 
 struct CarmenReader {
-    name: String,
-    lines: Lines,
+    lines: TextLines,
     use_odometry: bool,
     /// Kind of line that is read; `None` until the first laser line, when the head holds none.
     laser: Option<String>,
     flaser: flaser::Layout,
-    ended: bool,
     keeper: Keeper,
-    /// Lines of the parts before this one.
-    lines_before: u64,
 }
 
 impl ScanReader for CarmenReader {
     fn next_entry(&mut self) -> Option<Result<Entry, LogError>> {
-        if self.ended {
-            return None;
-        }
         loop {
-            let line = match self.lines.next_line() {
-                Ok(Some(line)) => line,
-                Ok(None) => return None,
-                Err(source) => {
-                    self.ended = true;
-                    return Some(Err(LogError::Broken {
-                        name: self.name.clone(),
-                        line: self.lines.number(),
-                        unit: Unit::Line,
-                        source,
-                    }));
-                }
+            let line = match self.lines.next_line()? {
+                Ok(line) => line,
+                Err(broken) => return Some(Err(broken)),
             };
             let word = keyword(line.bytes);
             if word.is_empty() || word[0] == b'#' {
@@ -147,19 +129,13 @@ impl ScanReader for CarmenReader {
     }
 
     fn continue_with(&mut self, input: Input) -> Result<(), LogError> {
-        self.lines_before += self.lines.number();
-        input.name.clone_into(&mut self.name);
-        self.lines.continue_with(input.into_stream());
+        self.lines.continue_with(input);
         Ok(())
     }
 
     fn tally(&self) -> Tally {
-        let mut tally = Tally {
-            lines: self.lines_before + self.lines.number(),
-            bytes: self.lines.read_bytes(),
-            laser: self.laser.clone(),
-            ..self.keeper.tally.clone()
-        };
+        let mut tally = self.lines.tally(&self.keeper);
+        tally.laser.clone_from(&self.laser);
         tally.notes.extend(self.flaser.note());
         tally
     }
@@ -171,12 +147,7 @@ fn parse(
     flaser: &mut flaser::Layout,
     notes: &mut Vec<String>,
 ) -> Result<Reading, LineFault> {
-    if line.too_long {
-        return Err(LineFault::TooLong {
-            limit: MAX_LINE_BYTES,
-        });
-    }
-    let text = std::str::from_utf8(line.bytes).map_err(|_| LineFault::NotText)?;
+    let text = as_text(line)?;
     if text.starts_with("ROBOTLASER") || text.starts_with("RAWLASER") {
         robotlaser::parse(text, use_odometry)
     } else {

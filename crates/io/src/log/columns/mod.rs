@@ -14,9 +14,9 @@ use polymapper_core::geometry::Pose;
 use polymapper_core::scan::{NoReturnCode, ScanGeometry};
 
 use super::keeper::{Keeper, Reading};
+use super::text::{TextLines, as_text};
 use super::{Entry, LineFault, LogError, ReadOptions, ScanReader, Tally, Unit};
 use crate::input::Input;
-use crate::lines::{Line, Lines, MAX_LINE_BYTES};
 use known::KNOWN;
 pub use layout::{Layout, LayoutError};
 pub(super) use uneven::EvenBearings;
@@ -84,51 +84,33 @@ pub(super) fn open(input: Input, options: &ReadOptions) -> Result<Box<dyn ScanRe
         });
     }
     Ok(Box::new(ColumnsReader {
-        name: input.name.clone(),
-        lines: Lines::new(input.into_stream()),
+        lines: TextLines::new(input),
         use_odometry: options.use_odometry,
         layout,
         pose: None,
         no_return: NoReturnCode::default(),
         even: EvenBearings::default(),
-        ended: false,
         keeper,
-        lines_before: 0,
     }))
 }
 
 struct ColumnsReader {
-    name: String,
-    lines: Lines,
+    lines: TextLines,
     use_odometry: bool,
     layout: Layout,
     /// Of the last line with a pose.
     pose: Option<Pose>,
     no_return: NoReturnCode,
     even: EvenBearings,
-    ended: bool,
     keeper: Keeper,
-    lines_before: u64,
 }
 
 impl ScanReader for ColumnsReader {
     fn next_entry(&mut self) -> Option<Result<Entry, LogError>> {
-        if self.ended {
-            return None;
-        }
         loop {
-            let line = match self.lines.next_line() {
-                Ok(Some(line)) => line,
-                Ok(None) => return None,
-                Err(source) => {
-                    self.ended = true;
-                    return Some(Err(LogError::Broken {
-                        name: self.name.clone(),
-                        line: self.lines.number(),
-                        unit: Unit::Line,
-                        source,
-                    }));
-                }
+            let line = match self.lines.next_line()? {
+                Ok(line) => line,
+                Err(broken) => return Some(Err(broken)),
             };
             let number = line.number;
             let text = match as_text(&line) {
@@ -176,19 +158,13 @@ impl ScanReader for ColumnsReader {
     }
 
     fn continue_with(&mut self, input: Input) -> Result<(), LogError> {
-        self.lines_before += self.lines.number();
-        input.name.clone_into(&mut self.name);
-        self.lines.continue_with(input.into_stream());
+        self.lines.continue_with(input);
         Ok(())
     }
 
     fn tally(&self) -> Tally {
-        let mut tally = Tally {
-            lines: self.lines_before + self.lines.number(),
-            bytes: self.lines.read_bytes(),
-            laser: self.layout.keyword.clone(),
-            ..self.keeper.tally.clone()
-        };
+        let mut tally = self.lines.tally(&self.keeper);
+        tally.laser.clone_from(&self.layout.keyword);
         if let (Some(from_m), None) = (self.no_return.from_m(), self.layout.max_m) {
             tally.notes.push(format!(
                 "no range limit in the log: {from_m:.3} m and more taken as no return, since that recurs and nothing is longer"
@@ -225,15 +201,6 @@ fn kind(line: &str, layout: &Layout) -> Kind {
 /// Whether a line holds names of columns: nothing in it is a number.
 fn is_names(line: &str) -> bool {
     line::fields(line).all(|f| super::number::number(f).is_none())
-}
-
-fn as_text<'a>(line: &Line<'a>) -> Result<&'a str, LineFault> {
-    if line.too_long {
-        return Err(LineFault::TooLong {
-            limit: MAX_LINE_BYTES,
-        });
-    }
-    std::str::from_utf8(line.bytes).map_err(|_| LineFault::NotText)
 }
 
 /// Ranges with the bearings that the layout gives them.

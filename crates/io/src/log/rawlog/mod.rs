@@ -6,9 +6,9 @@
 //! Both kinds of rawlog go in: sensory frames with actions between them (odometry is then a step a frame) and plain
 //! observations.
 
+mod fields;
 mod objects;
-
-use std::io::{self, BufRead};
+mod window;
 
 use polymapper_core::geometry::Pose;
 
@@ -16,28 +16,7 @@ use super::keeper::{Keeper, Reading};
 use super::{Entry, LineFault, LogError, ReadOptions, ScanReader, Tally, Unit};
 use crate::input::Input;
 use objects::{Odometry, Scan};
-
-/// A scan of the most beams that are read, with intensities, and a long label.
-const MAX_OBJECT_BYTES: usize = 1024 * 1024;
-/// Bytes held at most; more than one object.
-const WINDOW_BYTES: usize = 2 * MAX_OBJECT_BYTES;
-
-/// Classes that are looked for, with and without their namespace.
-const CLASSES: &[(&[u8], Class)] = &[
-    (b"\x97CObservation2DRangeScan", Class::Scan),
-    (b"\xa2mrpt::obs::CObservation2DRangeScan", Class::Scan),
-    (b"\x94CObservationOdometry", Class::Odometry),
-    (b"\x9fmrpt::obs::CObservationOdometry", Class::Odometry),
-    (b"\x96CActionRobotMovement2D", Class::Action),
-    (b"\xa1mrpt::obs::CActionRobotMovement2D", Class::Action),
-];
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Class {
-    Scan,
-    Odometry,
-    Action,
-}
+use window::{Class, Window};
 
 /// How the names of classes in a rawlog begin.
 const NAMES: &[&[u8]] = &[
@@ -70,7 +49,6 @@ pub(super) fn open(input: Input, options: &ReadOptions) -> Result<Box<dyn ScanRe
         objects: 0,
         objects_before: 0,
         bytes_before: 0,
-        ended: false,
         keeper: Keeper::new(Unit::Message, options),
     }))
 }
@@ -87,15 +65,11 @@ struct RawlogReader {
     objects: u64,
     objects_before: u64,
     bytes_before: u64,
-    ended: bool,
     keeper: Keeper,
 }
 
 impl ScanReader for RawlogReader {
     fn next_entry(&mut self) -> Option<Result<Entry, LogError>> {
-        if self.ended {
-            return None;
-        }
         loop {
             match self.window.find() {
                 Ok(Some(class)) => {
@@ -106,7 +80,6 @@ impl ScanReader for RawlogReader {
                 }
                 Ok(None) => return None,
                 Err(source) => {
-                    self.ended = true;
                     return Some(Err(LogError::Broken {
                         name: self.name.clone(),
                         line: self.objects,
@@ -186,86 +159,5 @@ impl RawlogReader {
         let robot = self.use_odometry.then(|| self.pose.unwrap_or_default());
         let odometry = robot.and_then(|robot| Some(robot * scan.mount()?));
         scan.into_reading(odometry)
-    }
-}
-
-/// A part of the stream that slides along it.
-struct Window {
-    stream: Box<dyn BufRead>,
-    bytes: Vec<u8>,
-    start: usize,
-    at_end: bool,
-    fault: Option<io::Error>,
-    read_bytes: u64,
-}
-
-impl Window {
-    fn new(stream: Box<dyn BufRead>) -> Self {
-        Self {
-            stream,
-            bytes: Vec::new(),
-            start: 0,
-            at_end: false,
-            fault: None,
-            read_bytes: 0,
-        }
-    }
-
-    fn bytes(&self) -> &[u8] {
-        &self.bytes[self.start..]
-    }
-
-    fn consume(&mut self, bytes: usize) {
-        self.start = (self.start + bytes).min(self.bytes.len());
-    }
-
-    /// Sees to it that a whole object is at hand, unless the stream ends before.
-    fn fill(&mut self) {
-        if self.at_end || self.bytes.len() - self.start >= MAX_OBJECT_BYTES {
-            return;
-        }
-        self.bytes.drain(..self.start);
-        self.start = 0;
-        while self.bytes.len() < WINDOW_BYTES && !self.at_end {
-            match self.stream.fill_buf() {
-                Ok([]) => self.at_end = true,
-                Ok(part) => {
-                    let taken = part.len();
-                    self.bytes.extend_from_slice(part);
-                    self.stream.consume(taken);
-                    self.read_bytes += taken as u64;
-                }
-                Err(fault) => {
-                    self.fault = Some(fault);
-                    self.at_end = true;
-                }
-            }
-        }
-    }
-
-    /// Slides on to the next object of a class that is looked for.
-    fn find(&mut self) -> io::Result<Option<Class>> {
-        const LONGEST_NAME: usize = 40;
-        loop {
-            self.fill();
-            let bytes = &self.bytes[self.start..];
-            let found = (0..bytes.len()).find_map(|at| {
-                if bytes[at] & 0x80 == 0 {
-                    return None;
-                }
-                let (_, class) = CLASSES.iter().find(|(name, _)| bytes[at..].starts_with(name))?;
-                Some((at, *class))
-            });
-            if let Some((at, class)) = found {
-                self.start += at;
-                self.fill();
-                return Ok(Some(class));
-            }
-            if self.at_end {
-                self.start = self.bytes.len();
-                return self.fault.take().map_or(Ok(None), Err);
-            }
-            self.start = self.bytes.len().saturating_sub(LONGEST_NAME).max(self.start);
-        }
     }
 }

@@ -105,11 +105,12 @@ impl Lasers {
         tally.laser = self.chosen.map(|k| self.lasers[k].topic.clone());
         for laser in self.lasers.iter().filter(|l| l.unused > 0) {
             let name = format!("{} ({})", laser.topic, laser.kind);
-            let reason = format!(
-                "another laser, {:.0}° wide; --topic {} reads it",
-                laser.field_of_view_deg(),
-                laser.topic
-            );
+            // Nobody looks at the scans of a laser that was not asked for.
+            let width = match laser.scans {
+                0 => String::new(),
+                _ => format!(", {:.0}° wide", laser.field_of_view_deg()),
+            };
+            let reason = format!("another laser{width}; --topic {} reads it", laser.topic);
             tally.other_messages.insert(name.clone(), laser.unused);
             tally.reasons.insert(name, reason);
         }

@@ -8,6 +8,7 @@ use std::io::{self, Write};
 
 use polymapper_core::geometry::Point;
 
+use super::extent::{Extent, corners, drawn};
 use super::{ERASER_BOXES, ExportError, Place, Subject, WALLS, WAY};
 use crate::out::decimals::rounded_4;
 
@@ -59,13 +60,7 @@ fn write_drawing<W: Write>(out: &mut Tags<'_, W>, subject: &Subject<'_>) -> io::
         line(out, WALLS, &points, false, Some(&format!("id={}", polyline.id)))?;
     }
     for b in &subject.map.eraser_boxes {
-        let corners = [
-            b.min,
-            Point::new(b.max.x, b.min.y),
-            b.max,
-            Point::new(b.min.x, b.max.y),
-        ];
-        line(out, ERASER_BOXES, &corners, true, None)?;
+        line(out, ERASER_BOXES, &corners(b), true, None)?;
     }
     for piece in subject.way_pieces() {
         line(out, WAY, &piece, false, None)?;
@@ -81,32 +76,13 @@ fn header<W: Write>(out: &mut Tags<'_, W>, subject: &Subject<'_>) -> io::Result<
     out.text(1, "AC1009")?;
     out.text(9, "$INSUNITS")?;
     out.whole(70, METRES)?;
-    let [min, max] = extent(subject);
+    let extent = Extent::of(drawn(subject.map));
+    let [min, max] = extent.0.unwrap_or([Point::new(0.0, 0.0); 2]);
     out.text(9, "$EXTMIN")?;
     out.point(min)?;
     out.text(9, "$EXTMAX")?;
     out.point(max)?;
     out.text(0, "ENDSEC")
-}
-
-fn extent(subject: &Subject<'_>) -> [Point; 2] {
-    let vertices = subject
-        .map
-        .polylines
-        .iter()
-        .flat_map(|p| &p.vertices)
-        .map(|v| v.point);
-    let corners = subject.map.eraser_boxes.iter().flat_map(|b| [b.min, b.max]);
-    let extent = vertices
-        .chain(corners)
-        .fold(None, |extent: Option<[Point; 2]>, p| {
-            let [min, max] = extent.unwrap_or([p, p]);
-            Some([
-                Point::new(min.x.min(p.x), min.y.min(p.y)),
-                Point::new(max.x.max(p.x), max.y.max(p.y)),
-            ])
-        });
-    extent.unwrap_or([Point::new(0.0, 0.0); 2])
 }
 
 fn tables<W: Write>(out: &mut Tags<'_, W>) -> io::Result<()> {

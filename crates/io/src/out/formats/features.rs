@@ -3,6 +3,7 @@
 use polymapper_core::geometry::Point;
 use serde_json::{Map as JsonMap, Value, json};
 
+use super::extent::corners;
 use super::{ERASER_BOXES, Subject, WALLS, WAY};
 
 /// Coordinate system of maps without a place on Earth, as JSON-FG names it (OGC 21-045r1, 7.5.3): "for unknown
@@ -47,12 +48,7 @@ pub(super) fn features(subject: &Subject<'_>) -> Vec<Feature> {
         id,
         properties: properties(json!({"layer": ERASER_BOXES})),
         is_area: true,
-        points: vec![
-            b.min,
-            Point::new(b.max.x, b.min.y),
-            b.max,
-            Point::new(b.min.x, b.max.y),
-        ],
+        points: corners(b).to_vec(),
     });
     let way = subject
         .way_pieces()

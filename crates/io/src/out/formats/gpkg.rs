@@ -44,7 +44,7 @@ pub(super) fn write(subject: &Subject<'_>, place: &Place<'_>) -> Result<(), Expo
     if let Some(feature) = features.iter().find(|f| i64::try_from(f.id).is_err()) {
         return Err(place.unfit(format!("the id {} is above 2^63 - 1", feature.id)));
     }
-    let bytes = database(subject, utm, &features).map_err(|source| place.library(source))?;
+    let bytes = database(subject, utm, &features).map_err(|source| place.failed(source))?;
     place.write(0, |f| f.write_all(&bytes))
 }
 

@@ -14,6 +14,7 @@
 
 use polymapper_core::geometry::Point;
 
+use super::extent::{Extent, vertices};
 use super::{ExportError, Place, PlacedScan, Subject};
 
 /// The most cells of a grid: 790 m by 790 m at 5 cm. Counting takes 2 bytes a cell, the result one more.
@@ -71,22 +72,13 @@ impl Grid {
 
 /// The smallest box round walls, scanners and returns; `None` when there are none.
 fn bounds(subject: &Subject<'_>) -> Result<Option<[Point; 2]>, ExportError> {
-    let mut bounds = None;
-    let mut take = |p: Point| {
-        let [min, max] = bounds.unwrap_or([p, p]);
-        bounds = Some([
-            Point::new(min.x.min(p.x), min.y.min(p.y)),
-            Point::new(max.x.max(p.x), max.y.max(p.y)),
-        ]);
-    };
-    let vertices = subject.map.polylines.iter().flat_map(|p| &p.vertices);
-    vertices.for_each(|v| take(v.point));
+    let mut extent = Extent::of(vertices(subject.map));
     subject.for_each_scan(&mut |scan| {
-        take(scan.map_from_scan.translation());
-        returns(&scan).for_each(&mut take);
+        extent.take(scan.map_from_scan.translation());
+        returns(&scan).for_each(|p| extent.take(p));
         Ok(())
     })?;
-    Ok(bounds)
+    Ok(extent.0)
 }
 
 fn returns<'a>(scan: &'a PlacedScan<'_>) -> impl Iterator<Item = Point> + 'a {

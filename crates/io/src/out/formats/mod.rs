@@ -7,6 +7,7 @@
 
 mod carmen;
 mod dxf;
+mod extent;
 mod features;
 mod g2o;
 mod geojson;
@@ -310,7 +311,8 @@ impl Place<'_> {
         }
     }
 
-    fn library(&self, source: impl Into<Box<dyn Error + Send + Sync>>) -> ExportError {
+    /// The error of what makes the content.
+    fn failed(&self, source: impl Into<Box<dyn Error + Send + Sync>>) -> ExportError {
         ExportError::Library {
             format: self.format.name,
             source: source.into(),

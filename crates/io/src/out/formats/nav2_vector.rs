@@ -10,6 +10,7 @@ use std::io::Write;
 
 use polymapper_core::geometry::Point;
 
+use super::extent::corners;
 use super::text::metres;
 use super::{ExportError, Place, Subject};
 
@@ -23,13 +24,7 @@ pub(super) fn write(subject: &Subject<'_>, place: &Place<'_>) -> Result<(), Expo
         shapes.push((format!("polyline_{}", polyline.id), false, points));
     }
     for (k, b) in subject.map.eraser_boxes.iter().enumerate() {
-        let corners = vec![
-            b.min,
-            Point::new(b.max.x, b.min.y),
-            b.max,
-            Point::new(b.min.x, b.max.y),
-        ];
-        shapes.push((format!("eraser_box_{k}"), true, corners));
+        shapes.push((format!("eraser_box_{k}"), true, corners(b).to_vec()));
     }
     let names: Vec<String> = shapes.iter().map(|(name, ..)| format!("\"{name}\"")).collect();
     let mut text = format!(

@@ -80,6 +80,8 @@ pub(super) struct PlacedRow {
     pub scan: usize,
     pub time_s: f64,
     pub map_from_scan: Pose,
+    /// Scan at whose place this one was recognised to be.
+    pub recognised: Option<usize>,
 }
 
 impl Subject<'_> {
@@ -100,6 +102,7 @@ impl Subject<'_> {
                     scan: row.scan,
                     time_s: times.of_row(row),
                     map_from_scan,
+                    recognised: row.recognised,
                 })
             })
             .collect()

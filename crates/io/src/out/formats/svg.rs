@@ -10,6 +10,7 @@ use std::io::{self, Write};
 
 use polymapper_core::geometry::Point;
 
+use super::extent::{Extent, drawn};
 use super::{ERASER_BOXES, ExportError, Place, Subject, WALLS, WAY};
 
 /// The id of the path (1 m, 0), (0, 0), (0, 1 m) that shows where the frame of the map is.
@@ -71,23 +72,13 @@ fn write_drawing(out: &mut impl Write, subject: &Subject<'_>) -> io::Result<()> 
 }
 
 fn root(out: &mut impl Write, subject: &Subject<'_>) -> io::Result<()> {
-    let vertices = subject
-        .map
-        .polylines
-        .iter()
-        .flat_map(|p| &p.vertices)
-        .map(|v| v.point);
-    let corners = subject.map.eraser_boxes.iter().flat_map(|b| [b.min, b.max]);
     let way = subject
         .placed_rows()
         .into_iter()
         .map(|row| row.map_from_scan.translation());
     let frame = [Point::new(0.0, 0.0), Point::new(1.0, 1.0)];
-    let (mut min, mut max) = (frame[0], frame[1]);
-    for p in vertices.chain(corners).chain(way) {
-        min = Point::new(min.x.min(p.x), min.y.min(p.y));
-        max = Point::new(max.x.max(p.x), max.y.max(p.y));
-    }
+    let all = drawn(subject.map).chain(way).chain(frame);
+    let [min, max] = Extent::of(all).0.unwrap_or(frame);
     let [left, top] = units(Point::new(min.x - MARGIN_M, max.y + MARGIN_M));
     let [right, bottom] = units(Point::new(max.x + MARGIN_M, min.y - MARGIN_M));
     let (width, height) = (tenths(right - left), tenths(bottom - top));

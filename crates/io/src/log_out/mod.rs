@@ -1,13 +1,14 @@
-//! Scans written as a log of another format.
+//! Logs out: the one writer of each format, for logs that are converted and for scans that are exported with the
+//! poses of a map.
 //!
 //! In go scans as they were read ([`LogScan`], with `use_odometry`), out comes a file that any reader of the format
 //! reads, this crate's too. Beams without a return are written as the format has it; what a device said instead of a
 //! range, intensities, and other messages are not carried over.
 
-mod carmen;
-mod cdr;
-mod mcap;
-mod ros2;
+pub(crate) mod carmen;
+pub(crate) mod cdr;
+pub(crate) mod mcap;
+pub(crate) mod ros2;
 
 use std::io::{self, Write};
 
@@ -41,8 +42,8 @@ impl LogFormat {
     /// Those of `out`.
     pub fn writer<'a>(self, out: impl Write + 'a, topic: &str) -> io::Result<Box<dyn ScanWriter + 'a>> {
         Ok(match self {
-            Self::Carmen => Box::new(carmen::CarmenWriter::new(out)?),
-            Self::Mcap => Box::new(mcap::McapWriter::new(out, topic)?),
+            Self::Carmen => Box::new(carmen::CarmenLog::new(out)?),
+            Self::Mcap => Box::new(mcap::McapLog::new(out, topic)?),
         })
     }
 }

@@ -1,19 +1,21 @@
 //! The command line.
 
-use std::convert::Infallible;
+mod log;
+mod scan_place;
+
 use std::net::IpAddr;
 use std::path::PathBuf;
-use std::str::FromStr;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand};
-use polymapper_io::log::{Layout, ReadOptions};
 use polymapper_io::out::formats::ExportFormat;
 use polymapper_sim::{PlanKind, ScannerKind};
 
 use crate::commands::export::ExportArgs;
 use crate::commands::import::ImportArgs;
 use crate::exports::{ExportChoice, format_parser};
+pub use log::{LogArgs, LogChoice, ReadingChoice};
+pub use scan_place::ScanPlace;
 
 /// A polygonal map from 2D laser scans, without odometry.
 #[derive(Parser)]
@@ -116,65 +118,6 @@ pub enum Command {
     Play(PlayArgs),
     /// Build a map of a real log that comes with the program
     Demo(DemoArgs),
-}
-
-/// How a log is read.
-#[derive(clap::Args)]
-pub struct ReadingChoice {
-    /// Topic or kind of message to read, such as /scan or RLASER, where the log has several lasers [default: the best]
-    #[arg(long, visible_alias = "topic", value_name = "NAME")]
-    pub laser: Option<String>,
-    /// What the columns of a text file are, such as "stamp_ms range_mm*360 first_deg=0 step_deg=-1" (see docs/logs.md)
-    #[arg(long, value_name = "WORDS")]
-    pub layout: Option<Layout>,
-    /// Read on behind a place where the recording does not hang together
-    #[arg(long)]
-    pub salvage: bool,
-}
-
-impl ReadingChoice {
-    pub fn read_options(&self) -> ReadOptions {
-        ReadOptions {
-            laser: self.laser.clone(),
-            layout: self.layout.clone(),
-            salvage: self.salvage,
-            ..ReadOptions::default()
-        }
-    }
-}
-
-/// Which log, and how it is read.
-#[derive(clap::Args)]
-pub struct LogChoice {
-    /// Laser log, plain or packed, or a folder with its parts; `-` is standard input
-    pub log: PathBuf,
-    #[command(flatten)]
-    pub reading: ReadingChoice,
-}
-
-impl LogChoice {
-    pub fn read_options(&self) -> ReadOptions {
-        self.reading.read_options()
-    }
-}
-
-/// Which log, and what of it.
-#[derive(clap::Args)]
-pub struct LogArgs {
-    #[command(flatten)]
-    pub choice: LogChoice,
-    /// Use the poses in the log (they are not read unless told)
-    #[arg(long)]
-    pub use_odometry: bool,
-}
-
-impl LogArgs {
-    pub fn read_options(&self) -> ReadOptions {
-        ReadOptions {
-            use_odometry: self.use_odometry,
-            ..self.choice.read_options()
-        }
-    }
 }
 
 #[derive(clap::Args)]
@@ -291,35 +234,6 @@ pub struct MatchArgs {
     pub svg: Option<PathBuf>,
 }
 
-/// A scan of a log.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ScanPlace {
-    pub log: PathBuf,
-    /// 0-based; `None`: the only one.
-    pub scan: Option<usize>,
-}
-
-impl FromStr for ScanPlace {
-    type Err = Infallible;
-
-    /// What follows the last colon is a scan if it is a number, and part of the name otherwise.
-    fn from_str(text: &str) -> Result<Self, Infallible> {
-        let place = text
-            .rsplit_once(':')
-            .and_then(|(log, scan)| Some((log, scan.parse().ok()?)));
-        Ok(match place {
-            Some((log, scan)) => Self {
-                log: log.into(),
-                scan: Some(scan),
-            },
-            None => Self {
-                log: text.into(),
-                scan: None,
-            },
-        })
-    }
-}
-
 fn scan_pair(text: &str) -> Result<(usize, usize), String> {
     let numbers = text.split_once(',').and_then(|(a, b)| {
         let number = |n: &str| n.trim().parse().ok();
@@ -384,14 +298,5 @@ mod tests {
     #[test]
     fn the_command_line_is_sound() {
         Args::command().debug_assert();
-    }
-
-    #[test]
-    fn a_scan_follows_the_last_colon_if_it_is_a_number() {
-        let place = |text: &str| text.parse::<ScanPlace>().map(|p| (p.log, p.scan));
-        assert_eq!(place("a.log:12"), Ok(("a.log".into(), Some(12))));
-        assert_eq!(place("a:b.log"), Ok(("a:b.log".into(), None)));
-        assert_eq!(place("day:1:12"), Ok(("day:1".into(), Some(12))));
-        assert_eq!(place("-:3"), Ok(("-".into(), Some(3))));
     }
 }

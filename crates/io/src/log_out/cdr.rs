@@ -2,7 +2,7 @@
 //! from behind the four bytes of the head; strings with their length and a zero; sequences with their count.
 
 /// A message being written.
-pub(super) struct Cdr(Vec<u8>);
+pub(crate) struct Cdr(Vec<u8>);
 
 /// What says "CDR, little endian".
 const HEAD: [u8; 4] = [0, 1, 0, 0];
