@@ -16,9 +16,7 @@ pub trait Mapping {
     fn add_scan(&mut self, scan: &LogScan, clock: &mut StageClock) -> anyhow::Result<()>;
 
     /// Takes note of a line without a usable scan.
-    fn skip(&mut self, _bad: &BadScan) -> anyhow::Result<()> {
-        Ok(())
-    }
+    fn skip(&mut self, bad: &BadScan) -> anyhow::Result<()>;
 
     /// The map, and what became of every scan that was added, in their order. `partial` says why the log was not read
     /// to its end.
@@ -32,20 +30,20 @@ pub trait Mapping {
 pub struct Finished {
     pub map: Map,
     pub outcomes: Vec<Outcome>,
-    /// How the map came to be, if that was recorded.
-    pub recorded: Option<Recorded>,
+    /// How the map came to be.
+    pub recorded: Recorded,
 }
 
 /// The mapper of the core library.
 pub struct CoreMapping {
     mapper: Mapper,
     settings: Settings,
-    record: Option<BuildRecord>,
+    record: BuildRecord,
 }
 
 impl CoreMapping {
     /// A mapper that records what it does.
-    pub fn new(settings: Settings, record: Option<BuildRecord>) -> Self {
+    pub fn new(settings: Settings, record: BuildRecord) -> Self {
         Self {
             mapper: Mapper::new(settings),
             settings,
@@ -59,31 +57,20 @@ impl Mapping for CoreMapping {
         let step = self
             .mapper
             .add_scan_watched(&scan.scan, scan.odometry, &mut |stage| clock.enter(stage.name()));
-        if let Some(record) = &mut self.record {
-            clock.enter("record");
-            record.step(&self.mapper, scan, &step)?;
-        }
-        Ok(())
+        clock.enter("record");
+        self.record.step(&self.mapper, scan, &step)
     }
 
     fn skip(&mut self, bad: &BadScan) -> anyhow::Result<()> {
-        match &mut self.record {
-            Some(record) => record.skip(bad),
-            None => Ok(()),
-        }
+        self.record.skip(bad)
     }
 
     fn finish(self, partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished> {
         clock.enter(Stage::Finish.name());
         let map = self.mapper.map();
         let outcomes = self.mapper.outcomes();
-        let recorded = match self.record {
-            Some(record) => {
-                clock.enter("record");
-                Some(record.finish(&map, &outcomes, partial)?)
-            }
-            None => None,
-        };
+        clock.enter("record");
+        let recorded = self.record.finish(&map, &outcomes, partial)?;
         Ok(Finished {
             map,
             outcomes: outcomes.iter().map(outcome).collect(),

@@ -35,7 +35,7 @@ export class Panel {
     if (key === this.shown) return;
     this.shown = key;
     const frame = history.frame;
-    this.scan.replaceChildren(...(frame ? this.scanParts(frame, detail) : [waiting()]));
+    this.scan.replaceChildren(...(frame ? this.scanParts(frame, detail) : [nothing(history)]));
     this.map.replaceChildren(figures(this.mapRows(totals)));
     const hypotheses = (frame && detail?.search?.hypotheses) || [];
     this.search.replaceChildren(
@@ -50,6 +50,7 @@ export class Panel {
   scanParts(frame, detail) {
     const n = this.history.time - 1;
     const [tone, word] = outcome(frame, Boolean(this.history.poses[n]));
+    const missing = this.history.about?.missing;
     const parts = [
       element(
         "div",
@@ -57,7 +58,7 @@ export class Panel {
         element("span", { class: "scan-number" }, count(frame.scan)),
         element("span", { class: `chip ${tone}`, id: "outcome" }, word),
       ),
-      element("p", { class: "why", id: "why" }, why(frame, detail)),
+      element("p", { class: "why", id: "why" }, [why(frame, detail, this.history.placedBefore(n) < 0), missing].filter(Boolean).join(" ")),
     ];
     if (frame.fit !== undefined) parts.push(bars(frame));
     parts.push(figures(this.scanRows(frame, n)));
@@ -83,7 +84,7 @@ export class Panel {
     if (frame.open_rad !== undefined) rows.push(["Left open by walls", `along ${degrees(frame.open_rad)}`]);
     if (frame.rms_mm !== undefined) rows.push(["Returns off walls, rms", length(frame.rms_mm / 1000)]);
     if (frame.lead !== undefined) rows.push(["Lead over next pose", frame.lead.toFixed(2)]);
-    rows.push(["Returns", count(frame.returns)]);
+    if (!this.history.about?.missing) rows.push(["Returns", count(frame.returns)]);
     const stamp = frame.stamp_s;
     const first = this.history.frames[0]?.stamp_s;
     if (stamp !== undefined && first !== undefined && stamp >= first) rows.push(["Time", duration(stamp - first)]);
@@ -149,8 +150,10 @@ export class Panel {
   }
 }
 
-function waiting() {
-  return element("p", { class: "why" }, "Waiting for the first scan.");
+/** @param {History} history */
+function nothing({ about, end }) {
+  const words = about?.missing ?? (end ? "Nothing is shown before the first scan." : "Waiting for the first scan.");
+  return element("p", { class: "why" }, words);
 }
 
 /**
@@ -179,15 +182,16 @@ function noSearch(frame, detail) {
  * Why this pose, in words.
  * @param {Frame} frame
  * @param {import("./details.js").Detail | undefined} detail
+ * @param {boolean} isFirst Whether none was placed before.
  */
-function why(frame, detail) {
+function why(frame, detail, isFirst) {
   const poses = detail?.search?.hypotheses.length ?? 0;
   if (!frame.pose) return `Not placed: ${frame.reason ?? "no reason given"}.`;
   const parts = [];
-  if (frame.fit === undefined) parts.push("The first scan makes the frame of the map.");
-  else if (!frame.searched) {
+  if (isFirst) parts.push("The first scan makes the frame of the map.");
+  else if (frame.fit !== undefined && !frame.searched) {
     parts.push(`The motion so far led to a pose at which ${percent(frame.fit)} of the beams that the map knows end on a wall; no search was needed.`);
-  } else {
+  } else if (frame.searched) {
     const lead = frame.lead === undefined ? "no other pose comes near" : `the best leads by ${frame.lead.toFixed(2)}`;
     parts.push(`The motion so far did not settle the place. ${poses > 0 ? `Of the poses that matching by shape and search gave, ${poses} are listed; ` : ""}${lead}.`);
   }
