@@ -4,7 +4,7 @@
 // each other, and the middle one is judged; each line says how busy the machine was.
 
 import { createInterface } from "node:readline";
-import { existsSync, readFileSync } from "node:fs";
+import { existsSync, readdirSync, readFileSync } from "node:fs";
 import { loadavg } from "node:os";
 import { join } from "node:path";
 import { abuse } from "./abusers.js";
@@ -139,9 +139,26 @@ function noteWhatIsShown(page) {
   });
 }
 
-test("a scan of a live stream is shown within 100 ms, at 40 scans a second", async ({ page, viewing }) => {
-  const { url, process: viewer } = await viewing("-");
-  await page.goto(url);
+/**
+ * Seconds for which the threads of a program waited for a processor that others had; 0 where the system does not tell.
+ * @param {import("./polymapper.js").View} viewer
+ */
+function waited_s({ process: { pid } }) {
+  if (!existsSync(`/proc/${pid}/schedstat`)) return 0;
+  const tasks = readdirSync(`/proc/${pid}/task`);
+  const waits = tasks.map((task) => Number(readFileSync(`/proc/${pid}/task/${task}/schedstat`, "utf8").split(" ")[1]));
+  return waits.reduce((sum, ns) => sum + ns / 1e9, 0);
+}
+
+/**
+ * Plays the sample at 40 scans a second into a viewer that the page follows.
+ * @param {import("@playwright/test").Page} page
+ * @param {import("./polymapper.js").View} viewer
+ * @returns {Promise<{late: number[], waited: number}>} Milliseconds from sent to shown, ascending, and the share of the
+ *   time that the viewer waited for a processor.
+ */
+async function playLive(page, viewer) {
+  await page.goto(viewer.url);
   await expect(page.locator("#scan-panel")).toContainText("Waiting for the first scan");
   await noteWhatIsShown(page);
   const player = start(["play", SAMPLE, "--hz", "40"]);
@@ -149,21 +166,35 @@ test("a scan of a live stream is shown within 100 ms, at 40 scans a second", asy
   const sent = [];
   for await (const line of createInterface({ input: player.stdout })) {
     sent.push(Date.now());
-    viewer.stdin.write(`${line}\n`);
+    viewer.process.stdin.write(`${line}\n`);
   }
   await page.waitForFunction((n) => /** @type {any} */ (window).shown.length >= n, sent.length);
   /** @type {[number, number][]} */
   const shown = await page.evaluate(() => /** @type {any} */ (window).shown);
-  const late = shown.map(([n, at]) => at - sent[n]);
-  const size = Math.ceil(late.length / WINDOWS);
-  const p95s = Array.from({ length: WINDOWS }, (_, k) =>
-    quantile(late.slice(k * size, (k + 1) * size).sort((a, b) => a - b), 0.95),
-  );
-  say(`live, ${late.length} scans: median ${median(late)} ms, p95 ${inWords(p95s)}`);
-  expect(median(p95s)).toBeLessThanOrEqual(100);
-  await expect(page.locator("#status")).toHaveText("live");
-  viewer.stdin.end();
-  await expect(page.locator("#status")).toHaveText("finished");
+  const late = shown.map(([n, at]) => at - sent[n]).sort((a, b) => a - b);
+  return { late, waited: waited_s(viewer) / ((Date.now() - sent[0]) / 1000) };
+}
+
+/** A stream in which the viewer had to wait for a processor for a larger share of the time tells nothing of the viewer. */
+const MOST_WAITED = 0.2;
+
+test("a scan of a live stream is shown within 100 ms, at 40 scans a second", async ({ page, viewing }) => {
+  test.setTimeout(120_000);
+  /** @type {number[]} */
+  const judged = [];
+  for (let k = 0; k < 3; k += 1) {
+    const viewer = await viewing("-");
+    const { late, waited } = await playLive(page, viewer);
+    const [middle, p95] = [quantile(late, 0.5), quantile(late, 0.95)];
+    say(`live, ${late.length} scans: median ${middle}, p95 ${p95} ms; waited for a processor ${(100 * waited).toFixed(0)} % of the time`);
+    if (waited <= MOST_WAITED) judged.push(p95);
+    await expect(page.locator("#status")).toHaveText("live");
+    viewer.process.stdin.end();
+    await expect(page.locator("#status")).toHaveText("finished");
+    await page.goto("about:blank");
+  }
+  test.skip(judged.length === 0, "not judged: other programs had the processors");
+  expect(median(judged)).toBeLessThanOrEqual(100);
 });
 
 /**

@@ -28,7 +28,10 @@ export function run(args) {
  * @param {string[]} args
  */
 export function start(args) {
-  return spawn(PROGRAM, args, { stdio: ["pipe", "pipe", "pipe"] });
+  const started = spawn(PROGRAM, args, { stdio: ["pipe", "pipe", "pipe"] });
+  // It may be ended while something is on its way to it.
+  started.stdin.on("error", () => {});
+  return started;
 }
 
 /**
