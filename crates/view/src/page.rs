@@ -44,6 +44,7 @@ modules![
     "draw_map.js",
     "draw_way.js",
     "draw_scan.js",
+    "draw_match.js",
     "layers.js",
     "scene.js",
     "pick.js",

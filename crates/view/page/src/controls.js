@@ -51,7 +51,7 @@ export class Controls {
     const { end } = this.history;
     if (!this.connected) return ["connection lost", "bad"];
     if (end?.partial) return [`partial: ${end.partial}`, "bad"];
-    if (end) return [this.isReport ? "report" : "finished", ""];
+    if (end) return [this.isReport ? "report" : "finished", "quiet"];
     return this.player.following ? ["live", "live"] : ["live, looking back", "back"];
   }
 }

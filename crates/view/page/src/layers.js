@@ -20,7 +20,7 @@ import { element } from "./dom.js";
 export const LAYERS = [
   { id: "map", key: "1", name: "Map", title: "Walls of the map, and in grey what was merged since it was made", on: true, from: "result" },
   { id: "scan", key: "2", name: "Scan", title: "Returns and polylines of the scan", on: true, from: "details" },
-  { id: "pairs", key: "3", name: "Matched pairs", title: "Polylines matched by shape, as dashed lines: with the virtual scan where there was a search, else with a scan from a metre away", on: false, from: "details" },
+  { id: "pairs", key: "3", name: "Matched pairs", title: "Polylines matched by shape, joined by dashed lines: the scan as if the scanner had not moved, and the virtual scan where there was a search, else a scan from a metre away", on: false, from: "details" },
   { id: "arcs", key: "4", name: "Arcs", title: "Maximal convex arcs of the scan's polylines", on: false, from: "details" },
   { id: "hypotheses", key: "5", name: "Hypotheses", title: "Poses that were thought of", on: true, from: "details" },
   { id: "virtual", key: "6", name: "Virtual scan", title: "The part of the map that the scan was matched with", on: false, from: "details" },

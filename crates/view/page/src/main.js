@@ -130,7 +130,8 @@ class App {
     const n = this.history.time - 1;
     const key = `${this.history.time}/${this.history.length}`;
     byId("position").textContent = `${count(this.history.time)} / ${count(this.history.length)}`;
-    this.panel.draw(this.details.held.get(n), this.scene.paths);
+    const inMotion = this.player.playing || (this.player.following && !this.history.end);
+    this.panel.draw(this.details.held.get(n), this.scene.paths, inMotion);
     if (key !== this.panelKey) this.paneled = now;
     this.panelKey = key;
     this.bar.status();

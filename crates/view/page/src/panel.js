@@ -28,19 +28,21 @@ export class Panel {
   /**
    * @param {import("./details.js").Detail | undefined} detail
    * @param {{vertices: number, length_m: number}} totals
+   * @param {boolean} inMotion Whether the next scan is shown before anybody can read.
    */
-  draw(detail, totals) {
+  draw(detail, totals, inMotion) {
     const { history } = this;
-    const key = [history.time, history.length, history.mapVersion, history.posesVersion, detail?.n, Boolean(history.end)].join();
+    const key = [history.time, history.length, history.mapVersion, history.posesVersion, detail?.n, Boolean(history.end), inMotion].join();
     if (key === this.shown) return;
     this.shown = key;
     const frame = history.frame;
     this.scan.replaceChildren(...(frame ? this.scanParts(frame, detail) : [nothing(history)]));
     this.map.replaceChildren(figures(this.mapRows(totals)));
     const hypotheses = (frame && detail?.search?.hypotheses) || [];
-    this.search.replaceChildren(
-      hypotheses.length > 0 ? this.hypothesesTable(hypotheses) : element("p", { class: "note" }, noSearch(frame, detail)),
-    );
+    // While it goes on, a table that comes and goes would move all that is below it.
+    const words = inMotion && hypotheses.length > 0 ? searched(hypotheses) : noSearch(frame, detail);
+    const table = hypotheses.length > 0 && !inMotion;
+    this.search.replaceChildren(table ? this.hypothesesTable(hypotheses) : element("p", { class: "note" }, words));
   }
 
   /**
@@ -107,12 +109,13 @@ export class Panel {
         element("td", {}, h.score.toFixed(2)),
         element("td", {}, percent(h.fit)),
         element("td", {}, percent(h.through)),
+        element("td", {}, k === 0 ? "" : away(hypotheses[0].pose, h.pose)),
       );
       for (const kind of ["pointerenter", "focus"]) row.addEventListener(kind, () => this.point(k));
       for (const kind of ["pointerleave", "blur"]) row.addEventListener(kind, () => this.point(undefined));
       return row;
     });
-    const head = ["", "Score", "", "agree", "through"].map((text) => element("th", { scope: "col" }, text));
+    const head = ["", "Score", "", "agree", "through", "away"].map((text) => element("th", { scope: "col" }, text));
     return element(
       "table",
       { class: "hypotheses", id: "hypotheses" },
@@ -166,6 +169,22 @@ function outcome(frame, placedNow) {
   if (frame.recognised !== undefined) return ["known", "place recognised"];
   if (frame.searched) return ["searched", "placed by search"];
   return ["good", frame.merged ? "placed, merged" : "placed"];
+}
+
+/**
+ * How far one pose is from another: the distance, or the turn where there is hardly any.
+ * @param {import("./pose.js").Pose} from
+ * @param {import("./pose.js").Pose} to
+ */
+function away(from, to) {
+  const distance = Math.hypot(to[0] - from[0], to[1] - from[1]);
+  const turn = Math.atan2(Math.sin(to[2] - from[2]), Math.cos(to[2] - from[2]));
+  return distance < 0.05 ? degrees(turn) : length(distance);
+}
+
+/** @param {import("./record.js").Hypothesis[]} hypotheses */
+function searched(hypotheses) {
+  return `${hypotheses.length} poses were looked at, scores ${hypotheses[0].score.toFixed(2)} to ${hypotheses[hypotheses.length - 1].score.toFixed(2)}. Pause to compare them.`;
 }
 
 /**
