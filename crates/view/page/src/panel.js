@@ -119,7 +119,7 @@ export class Panel {
     return element(
       "table",
       { class: "hypotheses", id: "hypotheses" },
-      element("caption", {}, `${hypotheses.length} poses, best first; point at one to see it`),
+      element("caption", {}, `${hypotheses.length} poses; point at one to see it`),
       element("thead", {}, element("tr", {}, ...head)),
       element("tbody", {}, ...rows),
     );
