@@ -203,7 +203,10 @@ fn a_build_without_a_replay_shows_map_and_way_and_says_what_is_missing() {
     std::fs::remove_file(folder.path().join("trajectory.csv")).unwrap();
     let viewer = Viewer::start(&out);
     let record = viewer.record_with("{\"end\":");
-    assert!(record.contains("neither replay.jsonl.gz nor trajectory.csv"), "{record}");
+    assert!(
+        record.contains("neither replay.jsonl.gz nor trajectory.csv"),
+        "{record}"
+    );
     assert!(record.contains("\"put\":[{\"id\":"));
 }
 

@@ -60,7 +60,9 @@ impl Finished {
         for scan in self.scans {
             tell(Line::Frame(frame(scan)))?;
         }
-        tell(Line::End(End { partial: self.partial }))
+        tell(Line::End(End {
+            partial: self.partial,
+        }))
     }
 }
 

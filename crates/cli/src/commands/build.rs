@@ -235,7 +235,10 @@ fn tell(report: &Report, reading: &Reading, folder: &Path) {
         folder.join("map.json").display()
     ));
     say(format_args!("picture: {}", folder.join(pictures::PNG).display()));
-    say(format_args!("report: {}", folder.join(report_html::FILE).display()));
+    say(format_args!(
+        "report: {}",
+        folder.join(report_html::FILE).display()
+    ));
     for (reason, count) in &scans.not_placed_by_reason {
         say(format_args!("not placed: {count} ({reason})"));
     }

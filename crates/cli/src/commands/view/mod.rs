@@ -10,15 +10,16 @@ mod source;
 mod stream;
 
 use std::fs::File;
+use std::io::ErrorKind;
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-use anyhow::Context;
+use anyhow::{Context, anyhow};
 use polymapper_io::log::ReadOptions;
 use polymapper_view::record::{End, Line};
 use polymapper_view::replay::read_replay;
-use polymapper_view::server::Server;
+use polymapper_view::server::{Server, ServerError};
 use polymapper_view::{Recorder, Sink, Snapshots, Store};
 
 use crate::Finish;
@@ -41,11 +42,11 @@ const LOOK_AGAIN: Duration = Duration::from_millis(100);
 
 /// Runs the command.
 pub fn run(args: &ViewArgs) -> anyhow::Result<Finish> {
-    let interrupt = Interrupt::listen()?;
+    let interrupt = Interrupt::listen_and_say("stopping")?;
     let mut store = Store::default();
     // A wrong name is to be told before a page is opened.
     let source = Source::of(&args.source, read_options(args))?;
-    let server = Server::start(args.host, args.port, store.clone())?;
+    let server = serve(args, store.clone())?;
     let url = server.url();
     say(format_args!("watch it at {url} (Ctrl-C ends)"));
     if args.open {
@@ -76,6 +77,15 @@ pub fn run(args: &ViewArgs) -> anyhow::Result<Finish> {
         thread::sleep(LOOK_AGAIN);
     }
     Ok(finish)
+}
+
+fn serve(args: &ViewArgs, store: Store) -> anyhow::Result<Server> {
+    Server::start(args.host, args.port, store).map_err(|error| match error {
+        ServerError::Listen { source, .. } if source.kind() == ErrorKind::AddrInUse => {
+            anyhow!("port {} is in use; --port 0 takes any that is free", args.port)
+        }
+        other => other.into(),
+    })
 }
 
 /// Plays a record; one that breaks off is shown up to there.
