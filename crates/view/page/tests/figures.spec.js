@@ -1,40 +1,57 @@
 // The figures that the page has to reach: frame time, first picture, live latency, and what clients cost the mapper.
 //
-// Other programs on the machine can spoil a measurement. So everything is measured several times, in windows that follow
-// each other, and the middle one is judged; each line says how busy the machine was.
+// Other programs on the machine can spoil a measurement. So everything is measured several times, and it is known how
+// much of the processors others had meanwhile: what they spoiled is not judged, and of the rest the middle is. What
+// cannot be judged is skipped, and said; it is not tried until it passes.
 
 import { createInterface } from "node:readline";
-import { existsSync, readdirSync, readFileSync } from "node:fs";
-import { loadavg } from "node:os";
+import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { abuse } from "./abusers.js";
 import { expect, frameTimes, median, open, quantile, RAW_INTEL, run, SAMPLE, start, test } from "./polymapper.js";
+import { Processors } from "./processors.js";
 
 const FRAME_MS = 33;
-const WINDOWS = 5;
+/** Share of the processors that others may have in a measurement that counts. */
+const MOST_OTHERS = 0.2;
 
-/** @param {string} text */
-function say(text) {
-  console.log(`${text}; load ${loadavg()[0].toFixed(1)}`);
-}
-
-/** @param {number[]} values */
-function inWords(values) {
-  return `${median(values).toFixed(1)} ms (windows: ${values.map((v) => v.toFixed(1)).join(", ")})`;
+/**
+ * Measures until there are enough measurements that count, and judges the one in the middle.
+ * @param {string} what
+ * @param {number} most Milliseconds.
+ * @param {{wanted: number, tries: number}} how
+ * @param {() => Promise<number>} measure Milliseconds.
+ */
+async function judge(what, most, { wanted, tries }, measure) {
+  /** @type {number[]} */
+  const all = [];
+  /** @type {number[]} */
+  const counting = [];
+  const processors = new Processors();
+  for (let k = 0; k < tries && counting.length < wanted; k += 1) {
+    processors.othersShare();
+    const took = await measure();
+    const others = processors.othersShare();
+    all.push(took);
+    if (others <= MOST_OTHERS) counting.push(took);
+    console.log(`${what}: ${took.toFixed(1)} ms; others had ${(100 * others).toFixed(0)} % of the processors`);
+  }
+  const judged = counting.length >= wanted ? counting : all;
+  console.log(`${what}: ${median(judged).toFixed(1)} ms in the middle of ${judged.length}`);
+  const isSpoiled = counting.length < wanted && median(all) > most;
+  test.skip(isSpoiled, `not judged: other programs had the processors in ${all.length - counting.length} of ${all.length} measurements`);
+  expect(median(judged)).toBeLessThanOrEqual(most);
 }
 
 /**
- * Measures the times between frames, and judges the window in the middle by its 95th percentile.
+ * Judges the times between frames by their 95th percentile.
  * @param {import("@playwright/test").Page} page
  * @param {string} what
  * @param {number} most Milliseconds.
  */
-async function judgeFrames(page, what, most) {
-  /** @type {number[]} */
-  const p95s = [];
-  for (let k = 0; k < WINDOWS; k += 1) p95s.push(quantile(await frameTimes(page, 2), 0.95));
-  say(`${what}: frame time p95 ${inWords(p95s)}`);
-  expect(median(p95s)).toBeLessThanOrEqual(most);
+function judgeFrames(page, what, most) {
+  const measure = async () => quantile(await frameTimes(page, 2), 0.95);
+  return judge(`${what}, p95 of frame times`, most, { wanted: 5, tries: 10 }, measure);
 }
 
 /**
@@ -83,10 +100,12 @@ test("10 000 vertices and 20 000 poses can be moved by hand", async ({ page, vie
       await page.waitForTimeout(16);
     }
   })();
-  await judgeFrames(page, "10 000 vertices, 20 000 poses, moved by hand", 2 * FRAME_MS);
-  moving = false;
-  await moved;
-  await page.mouse.up();
+  try {
+    await judgeFrames(page, "10 000 vertices, 20 000 poses, moved by hand", 2 * FRAME_MS);
+  } finally {
+    moving = false;
+    await moved;
+  }
 });
 
 test("raw intel at full map stays fluent", async ({ page, viewing, scratch }) => {
@@ -100,9 +119,7 @@ test("raw intel at full map stays fluent", async ({ page, viewing, scratch }) =>
 });
 
 test("the first picture is there within a second", async ({ page, viewing }) => {
-  /** @type {number[]} */
-  const took = [];
-  for (let k = 0; k < WINDOWS; k += 1) {
+  await judge("first picture", 1000, { wanted: 5, tries: 10 }, async () => {
     // The browser is open already; what counts is the program and the page.
     const viewer = await viewing(SAMPLE);
     await page.goto(viewer.url);
@@ -110,12 +127,11 @@ test("the first picture is there within a second", async ({ page, viewing }) => 
       const canvas = /** @type {HTMLCanvasElement | null} */ (document.getElementById("above"));
       return canvas?.getContext("2d")?.getImageData(0, 0, canvas.width, canvas.height).data.some((v) => v > 0);
     });
-    took.push(performance.now() - viewer.startedAt);
+    const took = performance.now() - viewer.startedAt;
     await page.goto("about:blank");
     viewer.process.kill("SIGKILL");
-  }
-  say(`first picture after ${inWords(took)}`);
-  expect(median(took)).toBeLessThan(1000);
+    return took;
+  });
 });
 
 /**
@@ -140,22 +156,10 @@ function noteWhatIsShown(page) {
 }
 
 /**
- * Seconds for which the threads of a program waited for a processor that others had; 0 where the system does not tell.
- * @param {import("./polymapper.js").View} viewer
- */
-function waited_s({ process: { pid } }) {
-  if (!existsSync(`/proc/${pid}/schedstat`)) return 0;
-  const tasks = readdirSync(`/proc/${pid}/task`);
-  const waits = tasks.map((task) => Number(readFileSync(`/proc/${pid}/task/${task}/schedstat`, "utf8").split(" ")[1]));
-  return waits.reduce((sum, ns) => sum + ns / 1e9, 0);
-}
-
-/**
  * Plays the sample at 40 scans a second into a viewer that the page follows.
  * @param {import("@playwright/test").Page} page
  * @param {import("./polymapper.js").View} viewer
- * @returns {Promise<{late: number[], waited: number}>} Milliseconds from sent to shown, ascending, and the share of the
- *   time that the viewer waited for a processor.
+ * @returns {Promise<number[]>} Milliseconds from sent to shown, ascending.
  */
 async function playLive(page, viewer) {
   await page.goto(viewer.url);
@@ -171,30 +175,22 @@ async function playLive(page, viewer) {
   await page.waitForFunction((n) => /** @type {any} */ (window).shown.length >= n, sent.length);
   /** @type {[number, number][]} */
   const shown = await page.evaluate(() => /** @type {any} */ (window).shown);
-  const late = shown.map(([n, at]) => at - sent[n]).sort((a, b) => a - b);
-  return { late, waited: waited_s(viewer) / ((Date.now() - sent[0]) / 1000) };
+  return shown.map(([n, at]) => at - sent[n]).sort((a, b) => a - b);
 }
 
-/** A stream in which the viewer had to wait for a processor for a larger share of the time tells nothing of the viewer. */
-const MOST_WAITED = 0.2;
-
 test("a scan of a live stream is shown within 100 ms, at 40 scans a second", async ({ page, viewing }) => {
-  test.setTimeout(120_000);
-  /** @type {number[]} */
-  const judged = [];
-  for (let k = 0; k < 3; k += 1) {
+  test.setTimeout(180_000);
+  await judge("live, p95 of 300 scans", 100, { wanted: 3, tries: 6 }, async () => {
     const viewer = await viewing("-");
-    const { late, waited } = await playLive(page, viewer);
-    const [middle, p95] = [quantile(late, 0.5), quantile(late, 0.95)];
-    say(`live, ${late.length} scans: median ${middle}, p95 ${p95} ms; waited for a processor ${(100 * waited).toFixed(0)} % of the time`);
-    if (waited <= MOST_WAITED) judged.push(p95);
+    const late = await playLive(page, viewer);
+    console.log(`live, median of 300 scans: ${quantile(late, 0.5)} ms, worst ${late[late.length - 1]} ms`);
     await expect(page.locator("#status")).toHaveText("live");
     viewer.process.stdin.end();
     await expect(page.locator("#status")).toHaveText("finished");
     await page.goto("about:blank");
-  }
-  test.skip(judged.length === 0, "not judged: other programs had the processors");
-  expect(median(judged)).toBeLessThanOrEqual(100);
+    viewer.process.kill("SIGKILL");
+    return quantile(late, 0.95);
+  });
 });
 
 /**
@@ -227,7 +223,7 @@ test("two hundred clients slow the mapper by 5 % at most", async ({ viewing }) =
   const least = (/** @type {ReturnType<typeof costOf>[]} */ all) => Math.min(...all.map((c) => c.cpu_s));
   const [alone, abused] = [least(costs.alone), least(costs.abused)];
   const peak = (/** @type {ReturnType<typeof costOf>[]} */ all) => Math.max(...all.map((c) => c.peak_mb)).toFixed(0);
-  say(`mapper ${alone.toFixed(2)} s alone, ${abused.toFixed(2)} s with 200 clients; memory ${peak(costs.alone)}, ${peak(costs.abused)} MB`);
+  console.log(`mapper ${alone.toFixed(2)} s alone, ${abused.toFixed(2)} s with 200 clients; memory ${peak(costs.alone)}, ${peak(costs.abused)} MB`);
   expect(abused / alone).toBeLessThanOrEqual(1.05);
   expect(Number(peak(costs.abused))).toBeLessThan(Number(peak(costs.alone)) + 100);
 });
