@@ -176,6 +176,9 @@ fn words(reason: NotPlaced) -> &'static str {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
+    use polymapper_core::place::Agreement;
     use polymapper_core::scan::ScanGeometry;
 
     use super::*;
@@ -188,12 +191,12 @@ mod tests {
             merit,
         };
         let all = [
-            at(0.0, 3.14, 0.9),
-            at(0.01, -3.14, 0.8),
+            at(0.0, PI - 0.001, 0.9),
+            at(0.01, 0.001 - PI, 0.8),
             at(0.0, 3.0, 0.7),
-            at(1.0, 3.14, 0.6),
-            at(1.02, 3.14, 0.5),
-            at(2.0, 3.14, 0.4),
+            at(1.0, 3.1, 0.6),
+            at(1.02, 3.1, 0.5),
+            at(2.0, 3.1, 0.4),
         ];
         let merits = |most| -> Vec<f64> { different(&all, most).iter().map(|h| h.merit).collect() };
         assert_eq!(merits(9), [0.9, 0.7, 0.6, 0.4]);
