@@ -177,7 +177,7 @@ fn what_cannot_be_shown_is_told_before_a_page_is_opened() {
     let other = folder.path().join("other.txt").display().to_string();
     for (source, words) in [
         (&missing, "no such file"),
-        (&empty, "no laser log"),
+        (&empty, "is a directory; a log file is expected"),
         (&other, "no laser log that is known here"),
     ] {
         let output = command(&["view", "--port", "0", source]).output().unwrap();
@@ -224,7 +224,7 @@ fn a_replay_that_breaks_off_is_shown_up_to_there() {
     let whole = std::fs::read(&replay).unwrap();
     std::fs::write(&replay, &whole[..whole.len() / 2]).unwrap();
     let viewer = Viewer::start(&out);
-    let record = viewer.record_with("{\"end\":{\"partial\":\"it breaks off after line");
+    let record = viewer.record_with("{\"end\":{\"partial\":\"the record breaks off after line");
     assert!(record.matches("{\"frame\":").count() > 50, "{record}");
 }
 
