@@ -16,17 +16,20 @@ const INTERRUPTED: i32 = 130;
 pub struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
-    /// Starts to listen for Ctrl-C.
+    /// Starts to listen for Ctrl-C, for work that writes what it has.
     pub fn listen() -> anyhow::Result<Self> {
+        Self::listen_and_say("stopping; what is there so far is written")
+    }
+
+    /// Starts to listen for Ctrl-C; when it comes, `words` are said.
+    pub fn listen_and_say(words: &'static str) -> anyhow::Result<Self> {
         let interrupt = Self::default();
         let asked = interrupt.clone();
         ctrlc::set_handler(move || {
             if asked.0.swap(true, Ordering::Relaxed) {
                 process::exit(INTERRUPTED);
             }
-            say(format_args!(
-                "\nstopping; what is there so far is written (once more: stop at once)"
-            ));
+            say(format_args!("\n{words} (once more: stop at once)"));
         })
         .context("cannot listen for Ctrl-C")?;
         Ok(interrupt)

@@ -16,9 +16,7 @@ pub trait Mapping {
     fn add_scan(&mut self, scan: &LogScan, clock: &mut StageClock) -> anyhow::Result<()>;
 
     /// Takes note of a line without a usable scan.
-    fn skip(&mut self, _bad: &BadScan) -> anyhow::Result<()> {
-        Ok(())
-    }
+    fn skip(&mut self, bad: &BadScan) -> anyhow::Result<()>;
 
     /// The map, and what became of every scan that was added, in their order. `partial` says why the log was not read
     /// to its end.
@@ -34,8 +32,8 @@ pub struct Finished {
     pub outcomes: Vec<Outcome>,
     /// For each of these scans, the one at whose place it was recognised to be.
     pub recognised: Vec<Option<usize>>,
-    /// How the map came to be, if that was recorded.
-    pub recorded: Option<Recorded>,
+    /// How the map came to be.
+    pub recorded: Recorded,
 }
 
 /// The mapper of the core library.
@@ -43,12 +41,12 @@ pub struct CoreMapping {
     mapper: Mapper,
     settings: Settings,
     recognised: Vec<Option<usize>>,
-    record: Option<BuildRecord>,
+    record: BuildRecord,
 }
 
 impl CoreMapping {
     /// A mapper that records what it does.
-    pub fn new(settings: Settings, record: Option<BuildRecord>) -> Self {
+    pub fn new(settings: Settings, record: BuildRecord) -> Self {
         Self {
             mapper: Mapper::new(settings),
             settings,
@@ -64,31 +62,20 @@ impl Mapping for CoreMapping {
             .mapper
             .add_scan_watched(&scan.scan, scan.odometry, &mut |stage| clock.enter(stage.name()));
         self.recognised.push(step.recognised);
-        if let Some(record) = &mut self.record {
-            clock.enter("record");
-            record.step(&self.mapper, scan, &step)?;
-        }
-        Ok(())
+        clock.enter("record");
+        self.record.step(&self.mapper, scan, &step)
     }
 
     fn skip(&mut self, bad: &BadScan) -> anyhow::Result<()> {
-        match &mut self.record {
-            Some(record) => record.skip(bad),
-            None => Ok(()),
-        }
+        self.record.skip(bad)
     }
 
     fn finish(self, partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished> {
         clock.enter(Stage::Finish.name());
         let map = self.mapper.map();
         let outcomes = self.mapper.outcomes();
-        let recorded = match self.record {
-            Some(record) => {
-                clock.enter("record");
-                Some(record.finish(&map, &outcomes, partial)?)
-            }
-            None => None,
-        };
+        clock.enter("record");
+        let recorded = self.record.finish(&map, &outcomes, partial)?;
         Ok(Finished {
             map,
             outcomes: outcomes.iter().map(outcome).collect(),

@@ -19,17 +19,19 @@ pub const GENERATOR: &str = concat!("polymapper ", env!("CARGO_PKG_VERSION"));
 /// The record of a build in the making.
 pub struct BuildRecord(Recorder<Background<Files>>);
 
-/// The whole record, and the light one.
-type Files = (ReplayWriter<AtomicFile>, ReplayWriter<Vec<u8>>);
+/// The whole record, if it is wanted, and the light one.
+type Files = (Option<ReplayWriter<AtomicFile>>, ReplayWriter<Vec<u8>>);
 
 /// The record for the report, packed.
 pub struct Recorded(pub Vec<u8>);
 
 impl BuildRecord {
-    /// Begins the record of the log `log_name` in `folder`.
-    pub fn create(folder: &Path, log_name: &str) -> anyhow::Result<Self> {
-        let file = AtomicFile::create(&folder.join(replay::FILE))?;
-        let sinks = (ReplayWriter::new(file), ReplayWriter::light(Vec::new()));
+    /// Begins the record of the log `log_name`, whole in `folder` if there is to be a file of it.
+    pub fn create(folder: &Path, log_name: &str, with_file: bool) -> anyhow::Result<Self> {
+        let file = with_file
+            .then(|| AtomicFile::create(&folder.join(replay::FILE)))
+            .transpose()?;
+        let sinks = (file.map(ReplayWriter::new), ReplayWriter::light(Vec::new()));
         let recorder = Recorder::new(
             Background::new(sinks),
             &short_name(log_name),
@@ -55,7 +57,9 @@ impl BuildRecord {
     pub fn finish(self, map: &Map, outcomes: &[Outcome], partial: Option<&str>) -> anyhow::Result<Recorded> {
         let sinks = self.0.finish(map, outcomes, partial.map(str::to_owned));
         let (file, light) = sinks.and_then(Background::finish).context(CANNOT)?;
-        file.finish().context(CANNOT)?.finish()?;
+        if let Some(file) = file {
+            file.finish().context(CANNOT)?.finish()?;
+        }
         Ok(Recorded(light.finish().context(CANNOT)?))
     }
 }

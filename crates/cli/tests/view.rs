@@ -177,7 +177,7 @@ fn what_cannot_be_shown_is_told_before_a_page_is_opened() {
     let other = folder.path().join("other.txt").display().to_string();
     for (source, words) in [
         (&missing, "no such file"),
-        (&empty, "replay.jsonl.gz cannot be read"),
+        (&empty, "is a directory; a log file is expected"),
         (&other, "no laser log that is known here"),
     ] {
         let output = command(&["view", "--port", "0", source]).output().unwrap();
@@ -185,6 +185,47 @@ fn what_cannot_be_shown_is_told_before_a_page_is_opened() {
         assert_eq!(output.status.code(), Some(1), "{talk}");
         assert!(talk.contains(words) && !talk.contains("http://"), "{talk}");
     }
+}
+
+#[test]
+fn a_build_without_a_replay_shows_map_and_way_and_says_what_is_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().display().to_string();
+    let built = command(&["build", "--no-replay", &sample(), "-o", &out])
+        .output()
+        .unwrap();
+    assert!(built.status.success());
+    let viewer = Viewer::start(&out);
+    let record = viewer.record_with("{\"end\":");
+    assert_eq!(record.matches("{\"frame\":").count(), 300);
+    assert!(record.contains("\"put\":[{\"id\":"));
+    assert!(record.contains("There is no replay.jsonl.gz here"), "{record}");
+    std::fs::remove_file(folder.path().join("trajectory.csv")).unwrap();
+    let viewer = Viewer::start(&out);
+    let record = viewer.record_with("{\"end\":");
+    assert!(
+        record.contains("neither replay.jsonl.gz nor trajectory.csv"),
+        "{record}"
+    );
+    assert!(record.contains("\"put\":[{\"id\":"));
+}
+
+#[test]
+fn a_replay_that_breaks_off_is_shown_up_to_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().display().to_string();
+    assert!(
+        command(&["build", &sample(), "-o", &out])
+            .status()
+            .unwrap()
+            .success()
+    );
+    let replay = folder.path().join("replay.jsonl.gz");
+    let whole = std::fs::read(&replay).unwrap();
+    std::fs::write(&replay, &whole[..whole.len() / 2]).unwrap();
+    let viewer = Viewer::start(&out);
+    let record = viewer.record_with("{\"end\":{\"partial\":\"the record breaks off after line");
+    assert!(record.matches("{\"frame\":").count() > 50, "{record}");
 }
 
 #[test]

@@ -34,6 +34,7 @@ async function picture(name, url, { scheme, width, height, whole = false }, act)
 await picture("view.png", server.url, { scheme: "light", width: 1280, height: 760 }, async (page) => {
   // Where the scanner comes back to the corridor; the scan reaches far.
   await page.locator("#slider").fill("262");
+  await page.locator("#slider").blur();
   await page.keyboard.press("f");
   await page.mouse.move(200, 300);
 });

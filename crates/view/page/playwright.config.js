@@ -4,8 +4,6 @@ export default defineConfig({
   testDir: "tests",
   // Frame times and latencies are measured: nothing else may run beside them.
   workers: 1,
-  // Latencies are missed when the machine is busy with something else: a third try in a row is not.
-  retries: 2,
   timeout: 60_000,
   reporter: [["list"]],
   snapshotPathTemplate: "{testDir}/pictures/{arg}{ext}",

@@ -7,7 +7,18 @@
 use std::sync::LazyLock;
 
 /// The style sheet.
-pub const STYLE: &str = include_str!("../page/style.css");
+pub const STYLE: &str = concat!(
+    include_str!("../page/style/colours.css"),
+    include_str!("../page/style/base.css"),
+    include_str!("../page/style/top.css"),
+    include_str!("../page/style/map.css"),
+    include_str!("../page/style/side.css"),
+    include_str!("../page/style/layers.css"),
+    include_str!("../page/style/time.css"),
+    include_str!("../page/style/report.css"),
+    include_str!("../page/style/dialog.css"),
+    include_str!("../page/style/phone.css"),
+);
 /// The icon.
 pub const ICON: &str = include_str!("../page/icon.svg");
 const MARKUP: &str = include_str!("../page/index.html");
@@ -33,6 +44,7 @@ modules![
     "draw_map.js",
     "draw_way.js",
     "draw_scan.js",
+    "draw_match.js",
     "layers.js",
     "scene.js",
     "pick.js",
@@ -40,10 +52,14 @@ modules![
     "tooltip.js",
     "gestures.js",
     "player.js",
+    "framing.js",
+    "controls.js",
     "timeline.js",
     "panel.js",
     "source.js",
     "keys.js",
+    "theme.js",
+    "scale_bar.js",
     "report.js",
     "main.js",
 ];

@@ -92,6 +92,7 @@ impl<S: Sink> Recorder<S> {
             version: VERSION,
             generator: generator.to_owned(),
             log: log.to_owned(),
+            missing: None,
         })))?;
         Ok(Self {
             sink,

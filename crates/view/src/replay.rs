@@ -150,6 +150,7 @@ mod tests {
                 version: VERSION,
                 generator: "test".to_owned(),
                 log: "a.log".to_owned(),
+                missing: None,
             }),
             Line::Detail(Box::default()),
             Line::Frame(Frame::default()),

@@ -46,6 +46,12 @@ impl Default for Store {
 }
 
 impl Store {
+    /// Whether nothing has come yet.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.held().lines.is_empty()
+    }
+
     /// Follows the number of lines.
     pub(crate) fn watch(&self) -> watch::Receiver<usize> {
         self.lines.subscribe()

@@ -20,6 +20,7 @@ fn store(scans: usize, ended: bool) -> Store {
         version: VERSION,
         generator: "test".to_owned(),
         log: "test.log".to_owned(),
+        missing: None,
     }));
     for n in 0..scans {
         take(Line::Detail(Box::new(Detail {

@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::{Context, ensure};
 
-use crate::{cargo, say};
+use crate::{program, say};
 
 const FOLDER: &str = "crates/view/page";
 /// Names under which systems have the browser.
@@ -25,7 +25,7 @@ pub fn check() -> anyhow::Result<()> {
     let Some(chromium) = tools()? else {
         return Ok(());
     };
-    let program = built()?;
+    let program = program()?;
     npm(&["ci", "--no-fund", "--no-audit"], &[])?;
     npm(&["run", "--silent", "check"], &[])?;
     let env = [("CHROMIUM", chromium.as_path()), ("POLYMAPPER", &program)];
@@ -37,7 +37,7 @@ pub fn draw(pictures: &Path) -> anyhow::Result<()> {
     let Some(chromium) = tools()? else {
         return Ok(());
     };
-    let program = built()?;
+    let program = program()?;
     npm(&["ci", "--no-fund", "--no-audit"], &[])?;
     let folder = pictures
         .canonicalize()
@@ -73,16 +73,6 @@ fn on_path(name: &str) -> Option<PathBuf> {
     env::split_paths(&path)
         .map(|folder| folder.join(name))
         .find(|place| place.is_file())
-}
-
-/// Frame times and latencies are those of the program that people use.
-fn built() -> anyhow::Result<PathBuf> {
-    cargo(&["build", "--release", "--locked", "--package", "polymapper"])?;
-    let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
-    target
-        .join("release/polymapper")
-        .canonicalize()
-        .context("the program is not where cargo puts it")
 }
 
 fn npm(args: &[&str], env: &[(&str, &Path)]) -> anyhow::Result<()> {

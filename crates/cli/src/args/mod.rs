@@ -127,7 +127,7 @@ pub struct BuildArgs {
     /// Folder for the map, the trajectory and the report; made if it is not there
     #[arg(short, long, value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Leave out replay.jsonl.gz and report.html
+    /// Leave out replay.jsonl.gz: `view` then shows the map, but not how it grew
     #[arg(long)]
     pub no_replay: bool,
     /// Formats to write as well, as `export --to` does; those that want scans have them

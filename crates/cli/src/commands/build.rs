@@ -33,11 +33,7 @@ pub fn run(args: &BuildArgs) -> anyhow::Result<Finish> {
     prepare_folder(&args.output)?;
     let log = scans::open(&args.log.choice.log, args.log.read_options())?;
     let odometry_used = args.log.use_odometry;
-    let record = if args.no_replay {
-        None
-    } else {
-        Some(BuildRecord::create(&args.output, log.name())?)
-    };
+    let record = BuildRecord::create(&args.output, log.name(), !args.no_replay)?;
     build(
         log,
         CoreMapping::new(Settings::default(), record),
@@ -120,9 +116,7 @@ pub fn build(
         notes: reading.tally.notes.clone(),
     };
     AtomicFile::write(&folder.join("report.json"), |f| report.write(f))?;
-    if let Some(recorded) = finished.recorded {
-        report_html::write(folder, &report, &finished.map, returns, recorded)?;
-    }
+    report_html::write(folder, &report, &finished.map, returns, finished.recorded)?;
     tell(&report, &reading, folder);
     Ok(Finish::with_loss(
         reading.has_loss() || report.scans.not_placed > 0,
@@ -251,10 +245,10 @@ fn tell(report: &Report, reading: &Reading, folder: &Path) {
         folder.join("map.json").display()
     ));
     say(format_args!("picture: {}", folder.join(pictures::PNG).display()));
-    let page = folder.join(report_html::FILE);
-    if page.exists() {
-        say(format_args!("report: {}", page.display()));
-    }
+    say(format_args!(
+        "report: {}",
+        folder.join(report_html::FILE).display()
+    ));
     for (reason, count) in &scans.not_placed_by_reason {
         say(format_args!("not placed: {count} ({reason})"));
     }
@@ -269,11 +263,12 @@ mod tests {
 
     use polymapper_core::geometry::{Point, Pose};
     use polymapper_core::map::{MapPolyline, MapVertex};
-    use polymapper_io::log::{LogScan, ReadOptions};
+    use polymapper_io::log::{BadScan, LogScan, ReadOptions};
     use polymapper_io::out::read_map;
 
     use super::*;
     use crate::mapping::Finished;
+    use crate::record::Recorded;
 
     /// Puts scan k at (k, 0) and refuses those without returns; the map is one wall.
     #[derive(Default)]
@@ -301,6 +296,10 @@ mod tests {
             Ok(())
         }
 
+        fn skip(&mut self, _bad: &BadScan) -> anyhow::Result<()> {
+            Ok(())
+        }
+
         fn finish(self, _partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished> {
             clock.enter("finish");
             let vertex = |x, y| MapVertex {
@@ -320,7 +319,7 @@ mod tests {
                 // Every scan after the first is at the place of the first.
                 recognised: (0..self.outcomes.len()).map(|k| (k > 0).then_some(0)).collect(),
                 outcomes: self.outcomes,
-                recorded: None,
+                recorded: Recorded(Vec::new()),
             })
         }
 

@@ -22,10 +22,10 @@ pub fn run(args: &DemoArgs) -> anyhow::Result<Finish> {
         "300 scans of the MIT Killian Court log by M. Bosse and J. Leonard (PyPI rtb-data, MIT licence)"
     ));
     let log = log::open_bytes("MIT Killian Court, 300 scans", SAMPLE, ReadOptions::default())?;
-    let record = BuildRecord::create(&args.output, log.name())?;
+    let record = BuildRecord::create(&args.output, log.name(), true)?;
     build(
         log,
-        CoreMapping::new(Settings::default(), Some(record)),
+        CoreMapping::new(Settings::default(), record),
         &args.output,
         false,
         &Interrupt::listen()?,

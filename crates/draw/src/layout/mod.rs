@@ -3,12 +3,15 @@
 //! In: a [`Scene`]. Out: a [`Plate`] whose longer side is [`Scene::longest_side_px`] (a little more when a
 //! caption is very long). The number of columns is the one that shows the world largest, without leaving much of the page empty.
 
+mod arrange;
 mod cloud;
+mod compose;
 mod furniture;
 mod label;
 mod marks;
 mod page;
 mod view;
+mod views;
 
 use crate::colour::Colour;
 use crate::plate::{Ink, Pen};

@@ -28,19 +28,21 @@ export class Panel {
   /**
    * @param {import("./details.js").Detail | undefined} detail
    * @param {{vertices: number, length_m: number}} totals
+   * @param {boolean} inMotion Whether the next scan is shown before anybody can read.
    */
-  draw(detail, totals) {
+  draw(detail, totals, inMotion) {
     const { history } = this;
-    const key = [history.time, history.length, history.mapVersion, history.posesVersion, detail?.n, Boolean(history.end)].join();
+    const key = [history.time, history.length, history.mapVersion, history.posesVersion, detail?.n, Boolean(history.end), inMotion].join();
     if (key === this.shown) return;
     this.shown = key;
     const frame = history.frame;
-    this.scan.replaceChildren(...(frame ? this.scanParts(frame, detail) : [waiting()]));
+    this.scan.replaceChildren(...(frame ? this.scanParts(frame, detail) : [nothing(history)]));
     this.map.replaceChildren(figures(this.mapRows(totals)));
     const hypotheses = (frame && detail?.search?.hypotheses) || [];
-    this.search.replaceChildren(
-      hypotheses.length > 0 ? this.hypothesesTable(hypotheses) : element("p", { class: "note" }, noSearch(frame, detail)),
-    );
+    // While it goes on, a table that comes and goes would move all that is below it.
+    const words = inMotion && hypotheses.length > 0 ? searched(hypotheses) : noSearch(frame, detail);
+    const table = hypotheses.length > 0 && !inMotion;
+    this.search.replaceChildren(table ? this.hypothesesTable(hypotheses) : element("p", { class: "note" }, words));
   }
 
   /**
@@ -50,6 +52,7 @@ export class Panel {
   scanParts(frame, detail) {
     const n = this.history.time - 1;
     const [tone, word] = outcome(frame, Boolean(this.history.poses[n]));
+    const missing = this.history.about?.missing;
     const parts = [
       element(
         "div",
@@ -57,7 +60,7 @@ export class Panel {
         element("span", { class: "scan-number" }, count(frame.scan)),
         element("span", { class: `chip ${tone}`, id: "outcome" }, word),
       ),
-      element("p", { class: "why", id: "why" }, why(frame, detail)),
+      element("p", { class: "why", id: "why" }, [why(frame, detail, this.history.placedBefore(n) < 0), missing].filter(Boolean).join(" ")),
     ];
     if (frame.fit !== undefined) parts.push(bars(frame));
     parts.push(figures(this.scanRows(frame, n)));
@@ -83,7 +86,7 @@ export class Panel {
     if (frame.open_rad !== undefined) rows.push(["Left open by walls", `along ${degrees(frame.open_rad)}`]);
     if (frame.rms_mm !== undefined) rows.push(["Returns off walls, rms", length(frame.rms_mm / 1000)]);
     if (frame.lead !== undefined) rows.push(["Lead over next pose", frame.lead.toFixed(2)]);
-    rows.push(["Returns", count(frame.returns)]);
+    if (!this.history.about?.missing) rows.push(["Returns", count(frame.returns)]);
     const stamp = frame.stamp_s;
     const first = this.history.frames[0]?.stamp_s;
     if (stamp !== undefined && first !== undefined && stamp >= first) rows.push(["Time", duration(stamp - first)]);
@@ -106,16 +109,17 @@ export class Panel {
         element("td", {}, h.score.toFixed(2)),
         element("td", {}, percent(h.fit)),
         element("td", {}, percent(h.through)),
+        element("td", {}, k === 0 ? "" : away(hypotheses[0].pose, h.pose)),
       );
       for (const kind of ["pointerenter", "focus"]) row.addEventListener(kind, () => this.point(k));
       for (const kind of ["pointerleave", "blur"]) row.addEventListener(kind, () => this.point(undefined));
       return row;
     });
-    const head = ["", "Score", "", "agree", "through"].map((text) => element("th", { scope: "col" }, text));
+    const head = ["", "Score", "", "agree", "through", "away"].map((text) => element("th", { scope: "col" }, text));
     return element(
       "table",
       { class: "hypotheses", id: "hypotheses" },
-      element("caption", {}, `${hypotheses.length} poses, best first; point at one to see it`),
+      element("caption", {}, `${hypotheses.length} poses; point at one to see it`),
       element("thead", {}, element("tr", {}, ...head)),
       element("tbody", {}, ...rows),
     );
@@ -149,8 +153,10 @@ export class Panel {
   }
 }
 
-function waiting() {
-  return element("p", { class: "why" }, "Waiting for the first scan.");
+/** @param {History} history */
+function nothing({ about, end }) {
+  const words = about?.missing ?? (end ? "Nothing is shown before the first scan." : "Waiting for the first scan.");
+  return element("p", { class: "why" }, words);
 }
 
 /**
@@ -163,6 +169,22 @@ function outcome(frame, placedNow) {
   if (frame.recognised !== undefined) return ["known", "place recognised"];
   if (frame.searched) return ["searched", "placed by search"];
   return ["good", frame.merged ? "placed, merged" : "placed"];
+}
+
+/**
+ * How far one pose is from another: the distance, or the turn where there is hardly any.
+ * @param {import("./pose.js").Pose} from
+ * @param {import("./pose.js").Pose} to
+ */
+function away(from, to) {
+  const distance = Math.hypot(to[0] - from[0], to[1] - from[1]);
+  const turn = Math.atan2(Math.sin(to[2] - from[2]), Math.cos(to[2] - from[2]));
+  return distance < 0.05 ? degrees(turn) : length(distance);
+}
+
+/** @param {import("./record.js").Hypothesis[]} hypotheses */
+function searched(hypotheses) {
+  return `${hypotheses.length} poses were looked at, scores ${hypotheses[0].score.toFixed(2)} to ${hypotheses[hypotheses.length - 1].score.toFixed(2)}. Pause to compare them.`;
 }
 
 /**
@@ -179,15 +201,16 @@ function noSearch(frame, detail) {
  * Why this pose, in words.
  * @param {Frame} frame
  * @param {import("./details.js").Detail | undefined} detail
+ * @param {boolean} isFirst Whether none was placed before.
  */
-function why(frame, detail) {
+function why(frame, detail, isFirst) {
   const poses = detail?.search?.hypotheses.length ?? 0;
   if (!frame.pose) return `Not placed: ${frame.reason ?? "no reason given"}.`;
   const parts = [];
-  if (frame.fit === undefined) parts.push("The first scan makes the frame of the map.");
-  else if (!frame.searched) {
+  if (isFirst) parts.push("The first scan makes the frame of the map.");
+  else if (frame.fit !== undefined && !frame.searched) {
     parts.push(`The motion so far led to a pose at which ${percent(frame.fit)} of the beams that the map knows end on a wall; no search was needed.`);
-  } else {
+  } else if (frame.searched) {
     const lead = frame.lead === undefined ? "no other pose comes near" : `the best leads by ${frame.lead.toFixed(2)}`;
     parts.push(`The motion so far did not settle the place. ${poses > 0 ? `Of the poses that matching by shape and search gave, ${poses} are listed; ` : ""}${lead}.`);
   }

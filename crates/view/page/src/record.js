@@ -8,6 +8,7 @@
  * @property {number} version
  * @property {string} generator
  * @property {string} log
+ * @property {string} [missing] What cannot be shown, in a sentence.
  *
  * @typedef {object} Frame
  * @property {number} scan

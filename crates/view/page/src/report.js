@@ -23,6 +23,8 @@ import { figures } from "./panel.js";
 const MOST_STRETCHES = 12;
 /** Doubtful scans less than this apart are one stretch. */
 const SAME_STRETCH = 10;
+/** Lines that could not be used are listed up to this number, the first. */
+const MOST_LINES = 5;
 
 /** @returns {Report | undefined} */
 export function reportOfPage() {
@@ -40,7 +42,7 @@ export function drawReport(report, history, show) {
   byId("report-lead").replaceChildren(...lead(report));
   byId("report-cards").replaceChildren(
     card("What was read", figures(inputRows(report)), ...notes(report)),
-    card("What became of it", figures(scanRows(report, history))),
+    card("What became of it", figures(scanRows(report, history)), ...unusable(history)),
     card("Time", stages(report)),
     card("Size", sizes(report)),
   );
@@ -113,7 +115,7 @@ function scanRows({ scans }, history) {
     ["Placed", count(scans.placed)],
     ["Not placed", count(scans.not_placed)],
   ];
-  for (const [reason, n] of Object.entries(scans.not_placed_by_reason)) rows.push([`– ${reason}`, count(n)]);
+  for (const [reason, n] of Object.entries(scans.not_placed_by_reason)) rows.push([`– ${reason.replaceAll("_", " ")}`, count(n)]);
   const frames = history.frames;
   rows.push(["Merged into the map", count(frames.filter((f) => f.merged).length)]);
   rows.push(["Placed by search", count(frames.filter((f) => f.pose && f.searched).length)]);
@@ -124,6 +126,16 @@ function scanRows({ scans }, history) {
     rows.push(["– worst twentieth", percent(shares[Math.floor(shares.length / 20)])]);
   }
   return rows;
+}
+
+/**
+ * Lines of the log without a usable scan, and what is wrong with them.
+ * @param {import("./history.js").History} history
+ */
+function unusable({ skipped }) {
+  const lines = skipped.slice(0, MOST_LINES).map(({ line, why }) => element("p", { class: "note" }, `Line ${count(line)}: ${why}`));
+  const rest = skipped.length - lines.length;
+  return rest > 0 ? [...lines, element("p", { class: "note" }, `and ${count(rest)} more lines`)] : lines;
 }
 
 /** @param {Report} report */

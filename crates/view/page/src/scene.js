@@ -4,7 +4,8 @@
 // of the way is only added to it. So a frame costs what is new.
 
 import { readColours } from "./colours.js";
-import { drawArcs, drawArrow, drawHypotheses, drawPairs, drawScan, drawVirtual } from "./draw_scan.js";
+import { drawArcs, drawPairs } from "./draw_match.js";
+import { drawArrow, drawHypotheses, drawScan, drawVirtual } from "./draw_scan.js";
 import { drawBoxes, drawGrid, freshPath, MapPaths, movingPath, strokeWalls } from "./draw_map.js";
 import { drawClosures, drawEllipse, drawEllipses, strokeWay, wayPaths } from "./draw_way.js";
 import { KnownWalls } from "./known_walls.js";
@@ -178,7 +179,7 @@ export class Scene {
     }
     if (layers.shows("pairs") && detail.search && last) {
       const { pairs } = detail.search;
-      drawPairs(ctx, pairs, detail.polylines, pose, detail.virtualScan, last, camera, colours);
+      drawPairs(ctx, pairs, detail.polylines, detail.virtualScan, last, camera, colours);
     }
     if (layers.shows("hypotheses") && last) {
       drawHypotheses(ctx, detail, last, this.hypothesis, camera, colours);
@@ -198,7 +199,7 @@ export class Scene {
     const { camera, colours, layers } = this;
     if (layers.shows("arcs")) drawArcs(ctx, found.arcs, detail.polylines, pose, camera, colours);
     if (layers.shows("pairs") && !detail.search && earlier) {
-      drawPairs(ctx, found.pairs, detail.polylines, pose, found.reference, earlier, camera, colours);
+      drawPairs(ctx, found.pairs, detail.polylines, found.reference, earlier, camera, colours);
     }
   }
 

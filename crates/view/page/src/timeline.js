@@ -3,6 +3,9 @@
 import { qualityOf } from "./colours.js";
 import { Surface } from "./surface.js";
 
+/** Height of a scan of which nothing is known. */
+const UNKNOWN_PX = 12;
+
 export class Timeline {
   /**
    * @param {HTMLCanvasElement} canvas
@@ -45,7 +48,7 @@ export class Timeline {
   /** @param {import("./colours.js").Colours} colours */
   drawStrip(colours) {
     const { ctx } = this.surface;
-    const { frames, length, time } = this.history;
+    const { about, frames, length, time } = this.history;
     const base = this.height - 7;
     for (let px = 0; px < this.width; px += 2) {
       const from = Math.floor((px / this.width) * length);
@@ -66,7 +69,13 @@ export class Timeline {
       ctx.fillStyle = lost ? colours.quality[0] : colours.quality[qualityOf(worst)];
       // The lower half of the shares never occurs on a placed scan; it is not given room.
       const high = lost ? base : Math.max(3, (base - 2) * Math.min(1, Math.max(0, (worst - 0.4) / 0.6)));
-      ctx.fillRect(px, base - high, 1.5, high);
+      if (about?.missing && !lost) {
+        // How well it agreed is not known.
+        ctx.fillStyle = colours.fresh;
+        ctx.fillRect(px, base - UNKNOWN_PX, 1.5, UNKNOWN_PX);
+      } else {
+        ctx.fillRect(px, base - high, 1.5, high);
+      }
       if (searched) {
         ctx.fillStyle = colours.hypothesis;
         ctx.fillRect(px, base + 2, 2, 2);

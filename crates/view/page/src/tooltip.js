@@ -10,11 +10,9 @@ import { length, percent, count } from "./format.js";
 function words(picked, history) {
   if (picked.kind === "pose") {
     const frame = history.frames[picked.n];
-    return [
-      ["Scan", count(frame.scan)],
-      ["Beams that agree", percent(frame.fit)],
-      ["Click", "to see it"],
-    ];
+    /** @type {[string, string][]} */
+    const agree = frame.fit === undefined ? [] : [["Beams that agree", percent(frame.fit)]];
+    return [["Scan", count(frame.scan)], ...agree, ["Click", "to see it"]];
   }
   const { wall } = picked;
   if (picked.kind === "vertex") {

@@ -1,14 +1,58 @@
-// The figures that the page has to reach: frame time, first picture, live latency.
+// The figures that the page has to reach: frame time, first picture, live latency, and what clients cost the mapper.
+//
+// Other programs on the machine can spoil a measurement. So everything is measured several times, and it is known how
+// much of the processors others had meanwhile: what they spoiled is not judged, and of the rest the middle is. What
+// cannot be judged is skipped, and said; it is not tried until it passes.
 
 import { createInterface } from "node:readline";
-import { existsSync } from "node:fs";
+import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
-import { expect, frameTimes, open, quantile, RAW_INTEL, run, SAMPLE, start, test } from "./polymapper.js";
+import { abuse } from "./abusers.js";
+import { expect, frameTimes, median, open, quantile, RAW_INTEL, run, SAMPLE, start, test } from "./polymapper.js";
+import { Processors } from "./processors.js";
 
 const FRAME_MS = 33;
+/** Share of the processors that others may have in a measurement that counts. */
+const MOST_OTHERS = 0.2;
 
-// Other programs on the machine can spoil a measurement; the page cannot pass by luck.
-test.describe.configure({ retries: 2 });
+/**
+ * Measures until there are enough measurements that count, and judges the one in the middle.
+ * @param {string} what
+ * @param {number} most Milliseconds.
+ * @param {{wanted: number, tries: number}} how
+ * @param {() => Promise<number>} measure Milliseconds.
+ */
+async function judge(what, most, { wanted, tries }, measure) {
+  /** @type {number[]} */
+  const all = [];
+  /** @type {number[]} */
+  const counting = [];
+  const processors = new Processors();
+  for (let k = 0; k < tries && counting.length < wanted; k += 1) {
+    processors.othersShare();
+    const took = await measure();
+    const others = processors.othersShare();
+    all.push(took);
+    if (others <= MOST_OTHERS) counting.push(took);
+    console.log(`${what}: ${took.toFixed(1)} ms; others had ${(100 * others).toFixed(0)} % of the processors`);
+  }
+  const judged = counting.length >= wanted ? counting : all;
+  console.log(`${what}: ${median(judged).toFixed(1)} ms in the middle of ${judged.length}`);
+  const isSpoiled = counting.length < wanted && median(all) > most;
+  test.skip(isSpoiled, `not judged: other programs had the processors in ${all.length - counting.length} of ${all.length} measurements`);
+  expect(median(judged)).toBeLessThanOrEqual(most);
+}
+
+/**
+ * Judges the times between frames by their 95th percentile.
+ * @param {import("@playwright/test").Page} page
+ * @param {string} what
+ * @param {number} most Milliseconds.
+ */
+function judgeFrames(page, what, most) {
+  const measure = async () => quantile(await frameTimes(page, 2), 0.95);
+  return judge(`${what}, p95 of frame times`, most, { wanted: 5, tries: 10 }, measure);
+}
 
 /**
  * Plays the last quarter and measures.
@@ -24,11 +68,8 @@ async function playLastQuarter(page, what) {
   await page.selectOption("#speed", "20");
   await page.getByRole("button", { name: "Play" }).click();
   await page.waitForTimeout(500);
-  const times = await frameTimes(page, 6);
-  const [p50, p95, worst] = [quantile(times, 0.5), quantile(times, 0.95), times[times.length - 1]];
-  console.log(`${what}: frame time p50 ${p50.toFixed(1)}, p95 ${p95.toFixed(1)}, worst ${worst.toFixed(1)} ms`);
-  await expect(page.getByRole("button", { name: "Pause" })).toBeVisible();
-  expect(p95).toBeLessThanOrEqual(FRAME_MS);
+  await judgeFrames(page, what, FRAME_MS);
+  await expect(page.getByRole("button", { name: "Pause" }), "it played all the time").toBeVisible();
 }
 
 test("10 000 vertices and 20 000 poses stay fluent", async ({ page, viewing, scratch }) => {
@@ -39,26 +80,37 @@ test("10 000 vertices and 20 000 poses stay fluent", async ({ page, viewing, scr
   await open(page, url);
   await expect(page.locator("#map-panel")).toContainText("10\u202f000");
   await playLastQuarter(page, "10 000 vertices, 20 000 poses");
+});
+
+test("10 000 vertices and 20 000 poses can be moved by hand", async ({ page, viewing, scratch }) => {
+  const { writeRecord } = await import("./made_up.js");
+  const folder = join(scratch, "large");
+  if (!existsSync(folder)) writeRecord(folder, { scans: 20_000, walls: 2000, vertices: 5, boxes: [] });
+  const { url } = await viewing(folder);
+  await open(page, url);
   // Moving the view draws everything anew in every frame.
-  await page.getByRole("button", { name: "Pause" }).click();
-  await page.keyboard.press("End");
   const box = await page.locator("#map").boundingBox();
   const [x, y] = [(box?.x ?? 0) + 400, (box?.y ?? 0) + 300];
   await page.mouse.move(x, y);
   await page.mouse.down();
-  const measured = frameTimes(page, 3);
-  for (let k = 0; k < 100; k += 1) {
-    await page.mouse.move(x + 90 * Math.sin(k / 9), y + 70 * Math.cos(k / 8));
-    await page.waitForTimeout(16);
+  let moving = true;
+  const moved = (async () => {
+    for (let k = 0; moving; k += 1) {
+      await page.mouse.move(x + 90 * Math.sin(k / 9), y + 70 * Math.cos(k / 8));
+      await page.waitForTimeout(16);
+    }
+  })();
+  try {
+    await judgeFrames(page, "10 000 vertices, 20 000 poses, moved by hand", 2 * FRAME_MS);
+  } finally {
+    moving = false;
+    await moved;
   }
-  await page.mouse.up();
-  const p95 = quantile(await measured, 0.95);
-  console.log(`the same, moved by hand: frame time p95 ${p95.toFixed(1)} ms`);
-  expect(p95).toBeLessThanOrEqual(2 * FRAME_MS);
 });
 
 test("raw intel at full map stays fluent", async ({ page, viewing, scratch }) => {
   test.skip(!existsSync(RAW_INTEL), "skipped: ../shared/data/raw/intel.clf.gz is not there");
+  test.setTimeout(180_000);
   const folder = join(scratch, "intel");
   run(["build", RAW_INTEL, "-o", folder]);
   const { url } = await viewing(folder);
@@ -67,25 +119,27 @@ test("raw intel at full map stays fluent", async ({ page, viewing, scratch }) =>
 });
 
 test("the first picture is there within a second", async ({ page, viewing }) => {
-  // The browser is open already; what counts is the program and the page.
-  await page.goto("about:blank");
-  const { url, startedAt } = await viewing(SAMPLE);
-  await page.goto(url);
-  await page.waitForFunction(() => {
-    const canvas = /** @type {HTMLCanvasElement | null} */ (document.getElementById("above"));
-    return canvas?.getContext("2d")?.getImageData(0, 0, canvas.width, canvas.height).data.some((v) => v > 0);
+  await judge("first picture", 1000, { wanted: 5, tries: 10 }, async () => {
+    // The browser is open already; what counts is the program and the page.
+    const viewer = await viewing(SAMPLE);
+    await page.goto(viewer.url);
+    await page.waitForFunction(() => {
+      const canvas = /** @type {HTMLCanvasElement | null} */ (document.getElementById("above"));
+      return canvas?.getContext("2d")?.getImageData(0, 0, canvas.width, canvas.height).data.some((v) => v > 0);
+    });
+    const took = performance.now() - viewer.startedAt;
+    await page.goto("about:blank");
+    viewer.process.kill("SIGKILL");
+    return took;
   });
-  const took = performance.now() - startedAt;
-  console.log(`first picture after ${took.toFixed(0)} ms`);
-  expect(took).toBeLessThan(1000);
 });
 
-test("a scan of a live stream is shown within 100 ms, at 40 scans a second", async ({ page, viewing }) => {
-  const { url, process: viewer } = await viewing("-");
-  await page.goto(url);
-  await expect(page.locator("#scan-panel")).toContainText("Waiting for the first scan");
-  await page.evaluate(() => {
-    // When each scan is first on the screen: the slider is set in the frame that draws it.
+/**
+ * Notes in the page when each scan is first on the screen: the slider is set in the frame that draws it.
+ * @param {import("@playwright/test").Page} page
+ */
+function noteWhatIsShown(page) {
+  return page.evaluate(() => {
     /** @type {[number, number][]} */
     const shown = [];
     Object.assign(window, { shown });
@@ -99,37 +153,77 @@ test("a scan of a live stream is shown within 100 ms, at 40 scans a second", asy
     };
     look();
   });
+}
+
+/**
+ * Plays the sample at 40 scans a second into a viewer that the page follows.
+ * @param {import("@playwright/test").Page} page
+ * @param {import("./polymapper.js").View} viewer
+ * @returns {Promise<number[]>} Milliseconds from sent to shown, ascending.
+ */
+async function playLive(page, viewer) {
+  await page.goto(viewer.url);
+  await expect(page.locator("#scan-panel")).toContainText("Waiting for the first scan");
+  await noteWhatIsShown(page);
   const player = start(["play", SAMPLE, "--hz", "40"]);
   /** @type {number[]} */
   const sent = [];
   for await (const line of createInterface({ input: player.stdout })) {
     sent.push(Date.now());
-    viewer.stdin.write(`${line}\n`);
+    viewer.process.stdin.write(`${line}\n`);
   }
   await page.waitForFunction((n) => /** @type {any} */ (window).shown.length >= n, sent.length);
   /** @type {[number, number][]} */
   const shown = await page.evaluate(() => /** @type {any} */ (window).shown);
-  const late = shown.map(([n, at]) => at - sent[n]).sort((a, b) => a - b);
-  console.log(`live: p50 ${quantile(late, 0.5)}, p95 ${quantile(late, 0.95)}, worst ${late[late.length - 1]} ms of ${late.length} scans`);
-  expect(quantile(late, 0.95)).toBeLessThanOrEqual(100);
-  await expect(page.locator("#status")).toHaveText("live");
-  viewer.stdin.end();
-  await expect(page.locator("#status")).toHaveText("finished");
+  return shown.map(([n, at]) => at - sent[n]).sort((a, b) => a - b);
+}
+
+test("a scan of a live stream is shown within 100 ms, at 40 scans a second", async ({ page, viewing }) => {
+  test.setTimeout(180_000);
+  await judge("live, p95 of 300 scans", 100, { wanted: 3, tries: 6 }, async () => {
+    const viewer = await viewing("-");
+    const late = await playLive(page, viewer);
+    console.log(`live, median of 300 scans: ${quantile(late, 0.5)} ms, worst ${late[late.length - 1]} ms`);
+    await expect(page.locator("#status")).toHaveText("live");
+    viewer.process.stdin.end();
+    await expect(page.locator("#status")).toHaveText("finished");
+    await page.goto("about:blank");
+    viewer.process.kill("SIGKILL");
+    return quantile(late, 0.95);
+  });
 });
 
-test("looking back while it is live, and catching up", async ({ page, viewing }) => {
-  const { url, process: viewer } = await viewing("-");
-  await page.goto(url);
-  const player = start(["play", SAMPLE, "--hz", "60"]);
-  player.stdout.pipe(viewer.stdin);
-  await expect.poll(() => page.locator("#slider").inputValue().then(Number)).toBeGreaterThan(40);
-  await page.locator("#map").focus();
-  await page.keyboard.press("ArrowLeft");
-  await expect(page.locator("#status")).toHaveText("live, looking back");
-  const held = await page.locator("#slider").inputValue();
-  await page.waitForTimeout(300);
-  expect(await page.locator("#slider").inputValue()).toBe(held);
-  await page.keyboard.press("End");
-  await expect.poll(() => page.locator("#slider").inputValue().then(Number)).toBeGreaterThan(Number(held) + 10);
-  player.kill();
+/**
+ * Processor time of the thread that maps, seconds, and the most memory of the program, MB.
+ * @param {import("./polymapper.js").View} viewer
+ */
+function costOf({ process: { pid } }) {
+  const fields = readFileSync(`/proc/${pid}/task/${pid}/stat`, "utf8").split(") ")[1].split(" ");
+  const peak = readFileSync(`/proc/${pid}/status`, "utf8").match(/VmHWM:\s*(\d+)/)?.[1];
+  return { cpu_s: (Number(fields[11]) + Number(fields[12])) / 100, peak_mb: Number(peak) / 1000 };
+}
+
+test("two hundred clients slow the mapper by 5 % at most", async ({ viewing }) => {
+  test.skip(!existsSync("/proc/self/stat"), "skipped: processor times are read on Linux");
+  test.setTimeout(240_000);
+  const log = existsSync(RAW_INTEL) ? RAW_INTEL : SAMPLE;
+  /** @type {{alone: ReturnType<typeof costOf>[], abused: ReturnType<typeof costOf>[]}} */
+  const costs = { alone: [], abused: [] };
+  for (let k = 0; k < 3; k += 1) {
+    for (const kind of /** @type {const} */ (["alone", "abused"])) {
+      const viewer = await viewing(log);
+      const end = kind === "abused" ? abuse(viewer.url) : () => {};
+      await viewer.said(/all is read/);
+      costs[kind].push(costOf(viewer));
+      end();
+      viewer.process.kill("SIGKILL");
+    }
+  }
+  // What else the machine does can only add to the time: the least is the cost.
+  const least = (/** @type {ReturnType<typeof costOf>[]} */ all) => Math.min(...all.map((c) => c.cpu_s));
+  const [alone, abused] = [least(costs.alone), least(costs.abused)];
+  const peak = (/** @type {ReturnType<typeof costOf>[]} */ all) => Math.max(...all.map((c) => c.peak_mb)).toFixed(0);
+  console.log(`mapper ${alone.toFixed(2)} s alone, ${abused.toFixed(2)} s with 200 clients; memory ${peak(costs.alone)}, ${peak(costs.abused)} MB`);
+  expect(abused / alone).toBeLessThanOrEqual(1.05);
+  expect(Number(peak(costs.abused))).toBeLessThan(Number(peak(costs.alone)) + 100);
 });

@@ -1,6 +1,6 @@
 // What people do with the page: open, play, scrub, layers, hover, measure, a phone, a report.
 
-import { readFileSync } from "node:fs";
+import { copyFileSync, mkdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { drawing, expect, open, test } from "./polymapper.js";
 
@@ -27,6 +27,22 @@ test("a finished build opens with its whole map", async ({ page, viewing, built 
   await expect(page.locator("#map-panel")).toContainText(`Polylines${report.map.polylines}Vertices${report.map.vertices}`);
   await page.waitForTimeout(500);
   await expect(page).toHaveScreenshot("map.png");
+});
+
+test("a build without a replay shows map and way, and says what is missing", async ({ page, viewing, built, scratch }) => {
+  const folder = join(scratch, "result");
+  mkdirSync(folder, { recursive: true });
+  for (const name of ["map.json", "trajectory.csv"]) copyFileSync(join(built, name), join(folder, name));
+  const { url } = await viewing(folder);
+  await open(page, url);
+  await expect(page.locator("#why")).toContainText("There is no replay.jsonl.gz here");
+  await expect(page.locator("#layer-list input")).toHaveCount(3);
+  await expect(page.locator("#map-panel")).toContainText("Scans placed300 of 300");
+  const walls = await page.locator("#map-panel").textContent();
+  const whole = await drawing(page);
+  await scrubTo(page, 100);
+  expect(await drawing(page), "the way is shorter").not.toBe(whole);
+  await expect(page.locator("#map-panel")).toContainText(walls?.match(/Polylines\d+/)?.[0] ?? "", { timeout: 1000 });
 });
 
 test("it plays from the start, pauses and steps", async ({ page, viewing, built }) => {

@@ -28,7 +28,10 @@ export function run(args) {
  * @param {string[]} args
  */
 export function start(args) {
-  return spawn(PROGRAM, args, { stdio: ["pipe", "pipe", "pipe"] });
+  const started = spawn(PROGRAM, args, { stdio: ["pipe", "pipe", "pipe"] });
+  // It may be ended while something is on its way to it.
+  started.stdin.on("error", () => {});
+  return started;
 }
 
 /**
@@ -36,6 +39,7 @@ export function start(args) {
  * @property {string} url
  * @property {import("node:child_process").ChildProcessWithoutNullStreams} process
  * @property {number} startedAt
+ * @property {(words: RegExp) => Promise<void>} said Waits until the program has said something.
  */
 
 /**
@@ -46,14 +50,21 @@ export function start(args) {
 export function view(args) {
   const startedAt = performance.now();
   const started = start(["view", "--port", "0", ...args]);
-  return new Promise((found, failed) => {
-    let said = "";
-    started.stderr.on("data", (piece) => {
-      said += piece;
-      const url = said.match(/http:\/\/\S+/)?.[0];
-      if (url) found({ url, process: started, startedAt });
+  let text = "";
+  started.stderr.on("data", (piece) => {
+    text += piece;
+  });
+  /** @type {(words: RegExp) => Promise<void>} */
+  const said = (words) =>
+    new Promise((found, failed) => {
+      const look = () => words.test(text) && found();
+      started.stderr.on("data", look);
+      started.on("exit", () => failed(new Error(text)));
+      look();
     });
-    started.on("exit", () => failed(new Error(said)));
+  return said(/http:\/\/\S+\s/).then(() => {
+    const url = text.match(/http:\/\/\S+/)?.[0] ?? "";
+    return { url, process: started, startedAt, said };
   });
 }
 
@@ -172,6 +183,11 @@ export function frameTimes(page, seconds) {
       }),
     seconds,
   );
+}
+
+/** @param {number[]} values */
+export function median(values) {
+  return quantile([...values].sort((a, b) => a - b), 0.5);
 }
 
 /** @param {number[]} sorted @param {number} share */

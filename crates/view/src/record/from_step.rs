@@ -2,7 +2,7 @@
 
 use polymapper_core::align::Alignment;
 use polymapper_core::extract::ScanPolyline;
-use polymapper_core::geometry::Pose;
+use polymapper_core::geometry::{Pose, wrap_rad};
 use polymapper_core::mapper::{Hypothesis, NotPlaced, Outcome, Step};
 use polymapper_core::matching::Correspondence;
 use polymapper_core::scan::Scan;
@@ -14,6 +14,9 @@ use super::{Chain, Detail, Frame, HypothesisRecord, PairRecord, Search, Walls, c
 const WIDEST_M: f64 = 9.0;
 /// Poses that are kept of a search; those behind them had no chance.
 const MOST_HYPOTHESES: usize = 12;
+/// Poses nearer to each other are the same one: a step of the alignment away, metres and radians.
+const SAME_M: f64 = 0.05;
+const SAME_RAD: f64 = 0.02;
 
 /// The light part. `scan_index` is the place in the log.
 pub fn frame(step: &Step, scan_index: usize, stamp_s: Option<f64>) -> Frame {
@@ -106,7 +109,7 @@ fn search(step: &Step, last: Option<(usize, Pose)>) -> Option<Search> {
     })
 }
 
-/// The best of the poses that were looked at.
+/// The best of the poses that were looked at. Several guesses lead to the same place; the best of them stands for all.
 fn hypotheses(step: &Step, map_from_last: Pose) -> Vec<HypothesisRecord> {
     let last_from_map = map_from_last.inverse();
     let record = |h: &Hypothesis| HypothesisRecord {
@@ -115,7 +118,29 @@ fn hypotheses(step: &Step, map_from_last: Pose) -> Vec<HypothesisRecord> {
         fit: rounded(h.agreement.fit(), 1e3),
         through: rounded(h.agreement.through as f64 / h.agreement.beams.max(1) as f64, 1e3),
     };
-    step.hypotheses.iter().take(MOST_HYPOTHESES).map(record).collect()
+    different(&step.hypotheses, MOST_HYPOTHESES)
+        .into_iter()
+        .map(record)
+        .collect()
+}
+
+/// The first `most` that are not the same pose as one before.
+fn different(all: &[Hypothesis], most: usize) -> Vec<&Hypothesis> {
+    let mut kept: Vec<&Hypothesis> = Vec::new();
+    for next in all {
+        let pose = next.map_from_scan;
+        let is_known = kept.iter().any(|k| {
+            k.map_from_scan.distance(pose) < SAME_M
+                && wrap_rad(k.map_from_scan.theta_rad - pose.theta_rad).abs() < SAME_RAD
+        });
+        if !is_known {
+            kept.push(next);
+        }
+        if kept.len() == most {
+            break;
+        }
+    }
+    kept
 }
 
 fn chains(polylines: &[ScanPolyline]) -> Vec<Chain> {
@@ -151,9 +176,32 @@ fn words(reason: NotPlaced) -> &'static str {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
+    use polymapper_core::place::Agreement;
     use polymapper_core::scan::ScanGeometry;
 
     use super::*;
+
+    #[test]
+    fn poses_that_are_the_same_are_told_once() {
+        let at = |x, theta_rad, merit| Hypothesis {
+            map_from_scan: Pose::new(x, 0.0, theta_rad),
+            agreement: Agreement::default(),
+            merit,
+        };
+        let all = [
+            at(0.0, PI - 0.001, 0.9),
+            at(0.01, 0.001 - PI, 0.8),
+            at(0.0, 3.0, 0.7),
+            at(1.0, 3.1, 0.6),
+            at(1.02, 3.1, 0.5),
+            at(2.0, 3.1, 0.4),
+        ];
+        let merits = |most| -> Vec<f64> { different(&all, most).iter().map(|h| h.merit).collect() };
+        assert_eq!(merits(9), [0.9, 0.7, 0.6, 0.4]);
+        assert_eq!(merits(2), [0.9, 0.7]);
+    }
 
     #[test]
     fn runs_of_returns_break_where_nothing_returned() {

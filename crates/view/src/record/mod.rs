@@ -68,6 +68,9 @@ pub struct About {
     pub generator: String,
     /// Name of the log.
     pub log: String,
+    /// What is not there and cannot be shown; absent when all is there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub missing: Option<String>,
 }
 
 /// What became of a scan.

@@ -1,92 +1,22 @@
-//! Where the scans come from: a log, a folder, or a stream that is read on a thread of its own, so that the map is made
-//! while nothing comes.
+//! Scans as they come, read on a thread of their own, so that the map is made while nothing comes.
 
-use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::net::{TcpListener, TcpStream};
-use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread;
 use std::time::Duration;
 
-use anyhow::{Context, bail};
-use polymapper_io::log::{Entry, Log, LogError, ReadOptions, open_live};
-use polymapper_view::replay;
+use anyhow::Context;
+use polymapper_io::log::{Entry, LogError, ReadOptions, open_live};
 
 use super::follow::Follower;
 use crate::interrupt::Interrupt;
-use crate::scans;
 use crate::talk::say;
 
 /// Scans that wait to be mapped; when there are more, the sender waits.
 const MOST_WAITING: usize = 64;
 /// When nothing came for so long, there is time for other things.
 const IDLE_AFTER: Duration = Duration::from_millis(150);
-
-/// What is watched.
-pub enum Source {
-    /// What a build has recorded.
-    Replay {
-        /// The packed record.
-        file: File,
-        /// Its name, for messages.
-        name: String,
-    },
-    /// A log in a file.
-    Log(Box<Log>),
-    /// Scans as they come.
-    Stream(Stream),
-}
-
-impl Source {
-    /// What the name stands for.
-    pub fn of(name: &Path, options: ReadOptions) -> anyhow::Result<Self> {
-        if name == Path::new("-") {
-            let reader = || Ok(Box::new(io::stdin()) as Box<dyn Read>);
-            return Ok(Self::Stream(Stream::start("standard input", reader, options)));
-        }
-        if let Some(place) = name.to_str().and_then(|n| n.strip_prefix("tcp:")) {
-            return Ok(Self::Stream(listen(place, options)?));
-        }
-        if name.is_dir() {
-            return replay_in(name);
-        }
-        Ok(Self::Log(Box::new(scans::open(name, options)?)))
-    }
-}
-
-/// The replay in the folder of a build.
-fn replay_in(folder: &Path) -> anyhow::Result<Source> {
-    let path = folder.join(replay::FILE);
-    match File::open(&path) {
-        Ok(file) => Ok(Source::Replay {
-            file,
-            name: path.display().to_string(),
-        }),
-        Err(_) if folder.join("map.json").exists() => bail!(
-            "{} holds a map, but no {}: build it again without --no-replay",
-            folder.display(),
-            replay::FILE
-        ),
-        Err(error) => Err(error).with_context(|| format!("{} cannot be read", path.display())),
-    }
-}
-
-fn listen(place: &str, options: ReadOptions) -> anyhow::Result<Stream> {
-    let address = if place.contains(':') {
-        place.to_owned()
-    } else {
-        format!("127.0.0.1:{place}")
-    };
-    let listener = TcpListener::bind(&address).with_context(|| format!("cannot listen on {address}"))?;
-    say(format_args!(
-        "scans are awaited at tcp:{}",
-        listener.local_addr()?
-    ));
-    let name = format!("tcp:{address}");
-    let reader = move || Ok(Box::new(Callers { listener, now: None }) as Box<dyn Read>);
-    Ok(Stream::start(&name, reader, options))
-}
 
 /// What those say who connect, one after the other.
 struct Callers {
@@ -124,6 +54,27 @@ pub struct Stream {
 }
 
 impl Stream {
+    /// Scans from standard input.
+    pub fn of_stdin(options: ReadOptions) -> Self {
+        Self::start("standard input", || Ok(Box::new(io::stdin())), options)
+    }
+
+    /// Scans from whoever connects to `place`, a port of this machine or `HOST:PORT`.
+    pub fn of_callers(place: &str, options: ReadOptions) -> anyhow::Result<Self> {
+        let address = if place.contains(':') {
+            place.to_owned()
+        } else {
+            format!("127.0.0.1:{place}")
+        };
+        let listener = TcpListener::bind(&address).with_context(|| format!("cannot listen on {address}"))?;
+        say(format_args!(
+            "scans are awaited at tcp:{}",
+            listener.local_addr()?
+        ));
+        let reader = move || Ok(Box::new(Callers { listener, now: None }) as Box<dyn Read>);
+        Ok(Self::start(&format!("tcp:{address}"), reader, options))
+    }
+
     fn start(
         name: &str,
         reader: impl FnOnce() -> io::Result<Box<dyn Read>> + Send + 'static,
