@@ -40,7 +40,7 @@ impl Default for RecogniseSettings {
         Self {
             stretch_m: 3.0,
             drift_share: 0.012,
-            most_window_m: 6.0,
+            most_window_m: 12.0,
             least_fit: 0.85,
             least_known: 0.5,
             least_lead: 0.10,
@@ -87,29 +87,36 @@ pub(crate) fn recognise(
     })
 }
 
-/// Where keyframe `anchor` of another map is in the map of `old`: the scans around it are compared with the place around
-/// keyframe `at`, and fit in exactly one way within `window_m` of `centre` (the anchor's pose), whatever the heading.
-#[expect(
-    clippy::too_many_arguments,
-    reason = "two maps, a place in each, and how far to look"
-)]
-pub(crate) fn find_in(
-    old: &[Keyframe],
-    at: usize,
-    new: &[Keyframe],
-    anchor: usize,
-    centre: Pose,
-    window_m: f64,
-    align: &AlignSettings,
-    settings: &RecogniseSettings,
-) -> Option<Edge> {
-    let place = Place::around(old, at, settings.stretch_m);
+/// A place of one map that is looked for in another.
+#[derive(Clone, Copy)]
+pub(crate) struct Lookup<'a> {
+    /// The map that is searched, and the keyframe around which.
+    pub old: &'a [Keyframe],
+    pub at: usize,
+    /// The map whose place is looked for, and the keyframe around which its scans are compared.
+    pub new: &'a [Keyframe],
+    pub anchor: usize,
+    /// Where in the old map the anchor is looked for, whatever its heading.
+    pub centre: Pose,
+    /// How far around that, metres.
+    pub window_m: f64,
+    /// Way on either side of the keyframes that is compared, metres.
+    pub stretch_m: f64,
+}
+
+/// An edge from the old map to the new one, when the scans around the anchor fit the old place in exactly one way.
+pub(crate) fn find_in(lookup: &Lookup, align: &AlignSettings, settings: &RecogniseSettings) -> Option<Edge> {
+    let Lookup {
+        old, at, new, anchor, ..
+    } = *lookup;
+    let place = Place::around(old, at, lookup.stretch_m);
     let here = new[anchor].map_from_scan;
-    let views: Vec<View> = stretch(new, anchor, settings.stretch_m, |_| true)
+    let views: Vec<View> = stretch(new, anchor, lookup.stretch_m, |_| true)
         .iter()
         .map(|&k| View::new(&new[k], here))
         .collect();
-    let matched = place.locate(&views, centre, Drift::anywhere(window_m), align, settings)?;
+    let anywhere = Drift::anywhere(lookup.window_m);
+    let matched = place.locate(&views, lookup.centre, anywhere, align, settings)?;
     Some(Edge {
         from: at,
         to: anchor,
@@ -317,6 +324,7 @@ impl Place {
                 through: sum.through + a.through,
                 short: sum.short + a.short,
                 unknown: sum.unknown + a.unknown,
+                on_map_through: sum.on_map_through + a.on_map_through,
             }
         })
     }

@@ -11,7 +11,7 @@ use super::atlas::Atlas;
 use super::{NotPlaced, Outcome, Settings, Step};
 use crate::geometry::{Pose, wrap_rad};
 use crate::keyframe::Seen;
-use crate::loops::find_in;
+use crate::loops::{Lookup, find_in};
 use crate::map::Map;
 use crate::place::{Answer, Motion, Placement, Question, place};
 
@@ -82,6 +82,9 @@ const LEFT_WINDOW_M: f64 = 1.5;
 const LEFT_WINDOW_PER_SCAN_M: f64 = 0.5;
 /// Half the window around other places, metres.
 const OTHER_WINDOW_M: f64 = 4.0;
+/// Way that is compared there, metres: a few metres of corridor look like those of any other, and a map joined at the wrong
+/// place is worse than one kept apart.
+const OTHER_STRETCH_M: f64 = 8.0;
 /// Two places in a row agree when they put the scanner less far apart than this, metres and radians.
 const AGREE_M: f64 = 0.5;
 const AGREE_RAD: f64 = 0.1;
@@ -150,7 +153,13 @@ impl Track {
             Way::Apart => self.go_apart(),
         };
         match &mut self.motion {
-            Some(motion) => motion.advance(pose),
+            Some(motion) => {
+                let walls = match way {
+                    Way::On(Some(p)) | Way::Back(_, p) => Some(p.alignment.information),
+                    _ => None,
+                };
+                motion.advance(pose, walls.as_ref());
+            }
             None => self.motion = Some(Motion::starting_at(pose)),
         }
         self.odometry = odometry;
@@ -224,33 +233,34 @@ impl Track {
             return false;
         }
         let is_where_left = newest <= LOOK_WHERE_LEFT;
-        let edge = if is_where_left {
-            let window_m = LEFT_WINDOW_M + LEFT_WINDOW_PER_SCAN_M * f64::from(left.scans).min(8.0);
-            let centre = left.motion.predicted().map_from_scan;
-            find_in(
+        let lookup = if is_where_left {
+            Lookup {
                 old,
-                tip,
+                at: tip,
                 new,
-                0,
-                centre,
-                window_m,
-                &settings.align,
-                &settings.recognise,
-            )
+                anchor: 0,
+                centre: left.motion.predicted().map_from_scan,
+                window_m: LEFT_WINDOW_M + LEFT_WINDOW_PER_SCAN_M * f64::from(left.scans).min(8.0),
+                stretch_m: settings.recognise.stretch_m,
+            }
         } else {
+            // No farther than the map that was left goes.
+            let stretch_m = OTHER_STRETCH_M.min(old[tip].way_m);
+            if new[newest].way_m < stretch_m {
+                return false;
+            }
             let at = tip - left.cursor;
-            let centre = old[at].map_from_scan;
-            find_in(
+            Lookup {
                 old,
                 at,
                 new,
-                newest,
-                centre,
-                OTHER_WINDOW_M,
-                &settings.align,
-                &settings.recognise,
-            )
+                anchor: newest,
+                centre: old[at].map_from_scan,
+                window_m: OTHER_WINDOW_M,
+                stretch_m,
+            }
         };
+        let edge = find_in(&lookup, &settings.align, &settings.recognise);
         let Some(edge) = edge else {
             left.cursor = (left.cursor + CURSOR_STEP) % old.len();
             return false;

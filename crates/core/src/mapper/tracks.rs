@@ -13,9 +13,9 @@ const BRANCH_WITHIN: f64 = 0.25;
 /// A track ends when its merit lags so far behind the best one's.
 const END_BEHIND: f64 = 0.40;
 /// Tracks at the most.
-const MOST: usize = 4;
+const MOST: usize = 6;
 /// After so many scans without decision, the best track is taken.
-const DECIDE_AFTER_SCANS: usize = 12;
+const DECIDE_AFTER_SCANS: usize = 20;
 /// Merit of a scan that is kept apart: a place that explains it worse is doubted.
 const APART_MERIT: f64 = 0.1;
 /// What a scan's merit in a map of its own is too high by: there is less in it that could contradict.

@@ -21,6 +21,8 @@ pub struct Agreement {
     pub short: usize,
     /// Beams about which the map says nothing.
     pub unknown: usize,
+    /// Beams of both kinds: they end on a side and have gone through another.
+    pub on_map_through: usize,
 }
 
 impl Agreement {
@@ -48,10 +50,13 @@ impl Agreement {
     /// One number to rank poses by: beams that end on the map count for, beams through walls half as much against,
     /// and so do short ones (something new stands before the wall), unknown ones not at all; per beam. Somebody who
     /// stood close to the scanner and left is looked through by half of the beams: this must not outweigh that they
-    /// all end where they should.
+    /// all end where they should, so a beam through a wall that ends on another counts a quarter against. (A
+    /// conditional logit over the poses looked at for 4640 scans of seven keyframe logs gives 1, 0.0 to 0.2 and 0.45 to
+    /// 0.5 for the three, whichever log is left out.)
     #[must_use]
     pub fn score(&self) -> f64 {
-        let sum = self.on_map as f64 - 0.5 * (self.through + self.short) as f64;
+        let against = 0.5 * (self.through + self.short) as f64 - 0.25 * self.on_map_through as f64;
+        let sum = self.on_map as f64 - against;
         if self.beams == 0 {
             0.0
         } else {
@@ -93,6 +98,7 @@ pub(crate) fn judge(points: &[SidePoint], map: &SideGrid, map_from_scan: Pose, g
         let short = met_m.is_some_and(|m| m > range_m + gate_m);
         agreement.through += usize::from(through);
         agreement.on_map += usize::from(on_map);
+        agreement.on_map_through += usize::from(on_map && through);
         agreement.short += usize::from(short && !on_map);
         agreement.unknown += usize::from(!on_map && !through && !short);
     }

@@ -7,7 +7,7 @@
 
 use std::collections::VecDeque;
 
-use crate::align::Guess;
+use crate::align::{Guess, Information};
 use crate::geometry::{Pose, wrap_rad};
 
 /// A log with more than one step in ten longer than this is one of keyframes, metres.
@@ -25,12 +25,21 @@ const SHARE_ANYTHING: f64 = 0.1;
 const ANYTHING_M: f64 = 0.3;
 const ANYTHING_RAD: f64 = 0.3;
 
+/// What an alignment says in two scans in a row errs alike (the same walls, the same map): so much of its information
+/// counts for the speed.
+const WALLS_INDEPENDENCE: f64 = 0.25;
+/// Standard deviations of a step whatever the walls say, metres and radians.
+const STEP_SIGMA_M: f64 = 0.005;
+const STEP_SIGMA_RAD: f64 = 0.002;
+
 /// The scanner's last pose and how it moved to it.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     pub map_from_scan: Pose,
-    /// From the last scan but one to the last, in the frame of the former.
+    /// The speed: the motion from one scan to the next, in the frame of the former.
     pub step: Pose,
+    /// Its information.
+    known: Information,
     /// By odometry, from the last placed scan to now, in the frame of the former.
     driven: Option<Pose>,
     /// Scans since, that could not be placed.
@@ -76,6 +85,7 @@ impl Motion {
         Self {
             map_from_scan,
             step: Pose::IDENTITY,
+            known: Information::default(),
             driven: None,
             lost_scans: 0,
             usual: Surprise::default(),
@@ -100,25 +110,58 @@ impl Motion {
         }
     }
 
-    /// The motion after the next scan was placed. After a gap the speed is not known.
-    pub fn advance(&mut self, pose: Pose) {
+    /// The motion after the next scan was placed, with what the walls say of the pose (map axes; `None`: it is certain).
+    /// After a gap the speed is not known.
+    pub fn advance(&mut self, pose: Pose, walls: Option<&Information>) {
         if self.lost_scans > 0 {
             self.step = Pose::IDENTITY;
+            self.known = Information::default();
             self.steady = 0;
         } else {
             self.steady += 1;
             let predicted = self.predicted().map_from_scan;
             let turn_rad = wrap_rad(predicted.theta_rad - pose.theta_rad).abs();
             self.usual = self.usual.after(predicted.distance(pose), turn_rad);
-            self.step = self.map_from_scan.inverse() * pose;
+            self.accelerate(self.map_from_scan.inverse() * pose, walls);
             if self.steps.len() == MEMORY {
                 self.steps.pop_front();
             }
-            self.steps.push_back(self.step);
+            self.steps.push_back(self.map_from_scan.inverse() * pose);
         }
         self.map_from_scan = pose;
         self.driven = None;
         self.lost_scans = 0;
+    }
+
+    /// The speed after a step was seen (a Kalman filter). It follows where the walls tell and goes on where they do not: taken
+    /// from the last two poses alone, it dies away along a corridor, and the scanner stands still in its own eyes
+    /// (in one log over seven scans, 0.6 m).
+    fn accelerate(&mut self, seen: Pose, walls: Option<&Information>) {
+        let expected = self.known.with_noise(self.usual.shift_m, self.usual.turn_rad);
+        let told = match walls {
+            Some(walls) => walls
+                .turned(-self.map_from_scan.theta_rad)
+                .scaled(WALLS_INDEPENDENCE)
+                .with_noise(STEP_SIGMA_M, STEP_SIGMA_RAD),
+            None => Information::from_sigmas(STEP_SIGMA_M, STEP_SIGMA_M, STEP_SIGMA_RAD),
+        };
+        let known = expected.plus(&told);
+        let off = [
+            seen.x - self.step.x,
+            seen.y - self.step.y,
+            wrap_rad(seen.theta_rad - self.step.theta_rad),
+        ];
+        let Some(gain) = known.solve(told.times(off)) else {
+            self.step = seen;
+            self.known = Information::default();
+            return;
+        };
+        self.step = Pose::new(
+            self.step.x + gain[0],
+            self.step.y + gain[1],
+            wrap_rad(self.step.theta_rad + gain[2]),
+        );
+        self.known = known;
     }
 
     /// Where the scanner is when it keeps on moving as before, or as odometry says: wheels slip by a tenth of the way.
@@ -266,7 +309,7 @@ mod tests {
         let step = Pose::new(0.1, 0.0, 0.01);
         let mut motion = Motion::starting_at(Pose::IDENTITY);
         for _ in 0..60 {
-            motion.advance(motion.map_from_scan * step);
+            motion.advance(motion.map_from_scan * step, None);
         }
         let next = motion.map_from_scan * step;
         assert!(motion.predicted().map_from_scan.distance(next) < 1e-9);
@@ -295,7 +338,7 @@ mod tests {
             lost_scans: 3,
             ..Motion::starting_at(Pose::IDENTITY)
         };
-        found.advance(Pose::new(4.0, 0.0, 0.0));
+        found.advance(Pose::new(4.0, 0.0, 0.0), None);
         assert!(
             found.step.translation().norm() < 1e-12,
             "four metres in four scans is no speed"
