@@ -97,6 +97,22 @@ pub enum Command {
     ///   shape_cost_rad2       how unlike their shapes are
     #[command(verbatim_doc_comment)]
     Match(MatchArgs),
+    /// Find the scans of a log in a finished map
+    ///
+    /// No guess is needed. Every scan has a row on standard output: scan (counted from 0), outcome, x_m, y_m,
+    /// heading_deg (pose of the laser in the map), score (1: every beam ends where the map says),
+    /// second (score of the next best, different pose).
+    ///
+    /// outcome:
+    ///   located    one pose explains the scan, and no other comes near
+    ///   ambiguous  another pose explains it nearly as well, or the walls leave a direction open;
+    ///              the best pose is given
+    ///   not_found  no pose explains it
+    ///
+    /// While scans follow each other closely, a pose is carried on from scan to scan in the map, which does not change.
+    /// The exit code is 3 when not all scans are located.
+    #[command(verbatim_doc_comment)]
+    Locate(LocateArgs),
     /// Write a log of a made-up place, and the truth about it
     Simulate(SimulateArgs),
     /// Watch a map grow in the browser
@@ -330,6 +346,21 @@ fn scan_pair(text: &str) -> Result<(usize, usize), String> {
         Some(_) => Err("two different scans are needed".to_owned()),
         None => Err("two numbers of scans with a comma between are needed, such as 12,40".to_owned()),
     }
+}
+
+#[derive(clap::Args)]
+pub struct LocateArgs {
+    #[command(flatten)]
+    pub log: LogChoice,
+    /// Map to find the scans in, as `build` writes it
+    #[arg(long, value_name = "MAP.JSON")]
+    pub map: PathBuf,
+    /// File for the rows as well: JSON lines with all poses if the name ends in .jsonl, else CSV
+    #[arg(short, long, visible_alias = "out", value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Find every scan on its own, whatever the scans before say
+    #[arg(long)]
+    pub alone: bool,
 }
 
 #[derive(clap::Args)]

@@ -53,6 +53,7 @@ fn main() -> ExitCode {
         Command::Extract(args) => commands::extract::run(&args),
         Command::Figures(args) => commands::figures::run(&args),
         Command::Match(args) => commands::match_scans::run(&args),
+        Command::Locate(args) => commands::locate::run(&args),
         Command::Simulate(args) => commands::simulate::run(&args),
         Command::View(args) => commands::view::run(&args),
         Command::Play(args) => commands::play::run(&args),

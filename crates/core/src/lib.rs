@@ -25,4 +25,6 @@ pub mod map;
 
 pub mod loops;
 
+pub mod locate;
+
 pub mod mapper;

@@ -8,6 +8,7 @@ pub mod extract;
 pub mod figures;
 pub mod import;
 pub mod inspect;
+pub mod locate;
 pub mod match_scans;
 pub mod play;
 pub mod simulate;
