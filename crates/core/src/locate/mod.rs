@@ -21,7 +21,7 @@ use crate::place::{Agreement, thinned};
 use crate::scan::Scan;
 use field::Field;
 use likelihood::Pieces;
-use search::search;
+use search::{MOST_POINTS, Wanted, search};
 pub use tracker::{Tracked, Tracker};
 
 /// When a pose in a finished map is believed.
@@ -31,6 +31,8 @@ pub struct LocateSettings {
     pub candidates: usize,
     /// Smallest score of the search worth a look, 0..=1.
     pub min_score: f64,
+    /// How far below the best score.
+    pub below_best: f64,
     /// Distance at which a return still lies on a side of the map, metres.
     pub gate_m: f64,
     /// Share of the beams that must end on the map, of those that it says something of.
@@ -50,6 +52,7 @@ impl Default for LocateSettings {
         Self {
             candidates: 32,
             min_score: 0.3,
+            below_best: 0.3,
             gate_m: 0.12,
             least_fit: 0.7,
             least_known: 0.6,
@@ -123,8 +126,6 @@ pub struct Locator {
 
 /// Returns on polylines that a pose needs.
 const LEAST_POINTS: usize = 10;
-/// Points that are searched with, at most.
-const MOST_SEARCHED: usize = 150;
 
 impl Locator {
     /// Prepares `map`.
@@ -164,18 +165,21 @@ impl Locator {
             return Localisation::nowhere();
         };
         let searched = thinned(points);
-        let step = searched.len().div_ceil(MOST_SEARCHED).max(1);
+        let step = searched.len().div_ceil(MOST_POINTS.min(150)).max(1);
         let searched: Vec<_> = searched.into_iter().step_by(step).collect();
         let pieces = Pieces::of(points);
-        let fixes = search(
-            field,
-            &searched,
-            self.settings.candidates,
-            self.settings.min_score,
-        )
-        .iter()
-        .filter_map(|c| self.fix(points, &pieces, c.map_from_scan))
-        .collect();
+        let wanted = Wanted {
+            poses: self.settings.candidates,
+            min_score: self.settings.min_score,
+            below_best: self.settings.below_best,
+        };
+        let found = search(field, &searched, &wanted);
+        let fixes = found
+            .iter()
+            .filter_map(|c| self.fix(points, &pieces, c.map_from_scan))
+            .collect();
+        if std::env::var("DBG").is_ok() { eprintln!("DBG found {} top {:?} pieces {}", found.len(), found.iter().map(|c| (c.score*1000.0).round()/1000.0).collect::<Vec<_>>(), pieces.worth);
+          for (i,c) in found.iter().enumerate(){ if let Some(f)=self.fix(points,&pieces,c.map_from_scan){ eprintln!("DBG cand {i} {:.3} {:.2} {:.2} {:.2} loss {:.2} score {:.3} fit {:.2} known {:.2} open {}",c.score,f.map_from_scan.x, f.map_from_scan.y, f.map_from_scan.theta_rad, f.loss_nats, f.score, f.agreement.fit(), f.agreement.known_share(), f.is_open);}}}
         self.judged(fixes)
     }
 
