@@ -37,6 +37,7 @@ pub fn run(args: &LocateArgs) -> anyhow::Result<Finish> {
                 stamp_s: None,
                 outcome: word(Verdict::NotFound),
                 tracked: false,
+                confidence: 0.0,
                 poses: Vec::new(),
                 reason: format!("unusable line {}: {}", bad.line, bad.fault),
             },
@@ -56,6 +57,7 @@ fn row(scan: &LogScan, found: &Tracked) -> LocationRow {
         stamp_s: scan.stamp_s,
         outcome: word(found.localisation.verdict),
         tracked: found.is_carried_on,
+        confidence: found.localisation.confidence,
         poses: found
             .localisation
             .fixes

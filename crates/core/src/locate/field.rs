@@ -158,7 +158,9 @@ impl Field {
         let mut cells = vec![0; SECTORS * self.width as usize * self.height as usize];
         let kernel = kernel();
         for side in sides {
-            let Some(direction) = side.direction() else { continue };
+            let Some(direction) = side.direction() else {
+                continue;
+            };
             let steps = (side.length_m() / (0.5 * self.cell_m)).ceil().max(1.0);
             for sector in 0..SECTORS {
                 let axis = Point::from_polar(1.0, sector as f64 * std::f64::consts::TAU / SECTORS as f64);

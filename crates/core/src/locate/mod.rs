@@ -21,7 +21,7 @@ use crate::place::{Agreement, thinned};
 use crate::scan::Scan;
 use field::Field;
 use likelihood::Pieces;
-use search::{MOST_POINTS, Wanted, search};
+use search::{Wanted, search};
 pub use tracker::{Tracked, Tracker};
 
 /// When a pose in a finished map is believed.
@@ -39,8 +39,10 @@ pub struct LocateSettings {
     pub least_fit: f64,
     /// Share of the beams that the map must say something of.
     pub least_known: f64,
-    /// How much likelier than the next best, different pose it must be, nats: 7 is a thousand times.
-    pub least_lead_nats: f64,
+    /// Least score of a pose that is believed.
+    pub least_score: f64,
+    /// Probability, among all poses found, with which the best must be the right one: 1 in 200 may be wrong.
+    pub least_confidence: f64,
     /// Poses farther apart than this are different, metres.
     pub different_m: f64,
     /// Headings farther apart than this are different, radians.
@@ -56,7 +58,8 @@ impl Default for LocateSettings {
             gate_m: 0.12,
             least_fit: 0.7,
             least_known: 0.6,
-            least_lead_nats: 7.0,
+            least_score: 0.5,
+            least_confidence: 0.995,
             different_m: 0.3,
             different_rad: 0.087,
         }
@@ -96,6 +99,8 @@ pub enum Verdict {
 pub struct Localisation {
     /// Whether the first pose is to be believed.
     pub verdict: Verdict,
+    /// Probability that the first pose is the right one, given that the scan is of this map.
+    pub confidence: f64,
     /// Different poses, best first.
     pub fixes: Vec<Fix>,
 }
@@ -104,6 +109,7 @@ impl Localisation {
     fn nowhere() -> Self {
         Self {
             verdict: Verdict::NotFound,
+            confidence: 0.0,
             fixes: Vec::new(),
         }
     }
@@ -126,6 +132,8 @@ pub struct Locator {
 
 /// Returns on polylines that a pose needs.
 const LEAST_POINTS: usize = 10;
+/// Points that are searched with, at most; the sums of the search hold 257.
+const MOST_SEARCHED: usize = 150;
 
 impl Locator {
     /// Prepares `map`.
@@ -165,7 +173,7 @@ impl Locator {
             return Localisation::nowhere();
         };
         let searched = thinned(points);
-        let step = searched.len().div_ceil(MOST_POINTS.min(150)).max(1);
+        let step = searched.len().div_ceil(MOST_SEARCHED).max(1);
         let searched: Vec<_> = searched.into_iter().step_by(step).collect();
         let pieces = Pieces::of(points);
         let wanted = Wanted {
@@ -178,9 +186,7 @@ impl Locator {
             .iter()
             .filter_map(|c| self.fix(points, &pieces, c.map_from_scan))
             .collect();
-        if std::env::var("DBG").is_ok() { eprintln!("DBG found {} top {:?} pieces {}", found.len(), found.iter().map(|c| (c.score*1000.0).round()/1000.0).collect::<Vec<_>>(), pieces.worth);
-          for (i,c) in found.iter().enumerate(){ if let Some(f)=self.fix(points,&pieces,c.map_from_scan){ eprintln!("DBG cand {i} {:.3} {:.2} {:.2} {:.2} loss {:.2} score {:.3} fit {:.2} known {:.2} open {}",c.score,f.map_from_scan.x, f.map_from_scan.y, f.map_from_scan.theta_rad, f.loss_nats, f.score, f.agreement.fit(), f.agreement.known_share(), f.is_open);}}}
-        self.judged(fixes)
+        self.judged(fixes, &pieces)
     }
 
     /// Aligns from `guess` and judges the result.
@@ -216,7 +222,7 @@ impl Locator {
     }
 
     /// Puts the fixes in order, leaves out what is the same as a better one, and says how it stands.
-    fn judged(&self, mut fixes: Vec<Fix>) -> Localisation {
+    fn judged(&self, mut fixes: Vec<Fix>, pieces: &Pieces) -> Localisation {
         fixes.sort_by(|a, b| a.loss_nats.total_cmp(&b.loss_nats));
         let mut distinct: Vec<Fix> = Vec::new();
         for fix in fixes {
@@ -227,20 +233,20 @@ impl Locator {
         let Some(best) = distinct.first() else {
             return Localisation::nowhere();
         };
-        let lead = distinct
-            .get(1)
-            .map_or(f64::INFINITY, |s| s.loss_nats - best.loss_nats);
-        let fits = best.agreement.fit() >= self.settings.least_fit
+        let confidence = pieces.confidence(distinct.iter().map(|f| f.loss_nats));
+        let fits = best.score >= self.settings.least_score
+            && best.agreement.fit() >= self.settings.least_fit
             && best.agreement.known_share() >= self.settings.least_known;
         let verdict = if !fits {
             Verdict::NotFound
-        } else if best.is_open || lead < self.settings.least_lead_nats {
+        } else if best.is_open || confidence < self.settings.least_confidence {
             Verdict::Ambiguous
         } else {
             Verdict::Located
         };
         Localisation {
             verdict,
+            confidence,
             fixes: distinct,
         }
     }

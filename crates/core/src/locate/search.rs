@@ -19,8 +19,6 @@ const SAME_RAD: f64 = 0.18;
 const MOST_DIVIDED: usize = 60_000;
 /// Coarse blocks that are taken up at a time, best first.
 const BATCH: u32 = 4_000;
-/// Most points: sums must fit 16 bits.
-pub(super) const MOST_POINTS: usize = 250;
 
 /// What is looked for.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +35,13 @@ pub(super) struct Wanted {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
     pub map_from_scan: Pose,
+    #[cfg_attr(
+        not(test),
+        expect(
+            dead_code,
+            reason = "alignment judges anew; tests hold it against the naive search"
+        )
+    )]
     pub score: f64,
 }
 
@@ -63,7 +68,7 @@ impl PartialOrd for Block {
     }
 }
 
-/// Distinct poses, best first. `points` are [`MOST_POINTS`] at most.
+/// Distinct poses, best first. At most 257 points: sums must fit 16 bits.
 pub(super) fn search(field: &Field, points: &[(Point, Point)], wanted: &Wanted) -> Vec<Candidate> {
     if points.is_empty() {
         return Vec::new();
@@ -104,7 +109,11 @@ impl<'a> Coarse<'a> {
             }
             bounds.extend_from_slice(&sums);
         }
-        Self { field, bounds, counts }
+        Self {
+            field,
+            bounds,
+            counts,
+        }
     }
 
     /// The bound from which on there are [`BATCH`] blocks below `above`, or a few more.

@@ -89,6 +89,7 @@ impl Tracker {
             return Tracked {
                 localisation: Localisation {
                     verdict,
+                    confidence: 1.0,
                     fixes: vec![fix],
                 },
                 is_carried_on: true,

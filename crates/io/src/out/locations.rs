@@ -30,6 +30,8 @@ pub struct LocationRow {
     pub outcome: &'static str,
     /// Whether the pose was carried on from the scan before, or found without a guess.
     pub tracked: bool,
+    /// Probability that the first pose is the right one, given that the scan is of this map.
+    pub confidence: f64,
     /// Poses, best first.
     pub poses: Vec<LocatedPose>,
     /// What else there is to say, in words; empty for nothing.
@@ -62,7 +64,7 @@ impl LocationFormat {
             Self::Csv => writeln!(
                 out,
                 "scan,stamp_s,outcome,x_m,y_m,theta_rad,heading_deg,score,second_score,second_x_m,second_y_m,\
-                 second_heading_deg,tracked,reason"
+                 second_heading_deg,confidence,tracked,reason"
             ),
             Self::JsonLines => Ok(()),
         }
@@ -122,6 +124,7 @@ fn csv_row(out: &mut impl Write, row: &LocationRow) -> io::Result<()> {
         x(second),
         y(second),
         heading(second),
+        number(best.map(|_| row.confidence), 4),
         u8::from(row.tracked).to_string(),
         row.reason.clone(),
     ])?;
@@ -133,6 +136,7 @@ struct Record<'a> {
     scan: usize,
     stamp_s: Option<f64>,
     outcome: &'a str,
+    confidence: f64,
     tracked: bool,
     poses: Vec<PoseRecord>,
     #[serde(skip_serializing_if = "str::is_empty")]
@@ -152,6 +156,7 @@ fn json_row(out: &mut impl Write, row: &LocationRow) -> io::Result<()> {
         scan: row.scan,
         stamp_s: row.stamp_s,
         outcome: row.outcome,
+        confidence: rounded_4(row.confidence),
         tracked: row.tracked,
         poses: row
             .poses
