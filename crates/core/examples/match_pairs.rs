@@ -6,6 +6,11 @@
 //! else. `--list` prints a line for each pair whose best hypothesis is wrong, `--ahead` estimates that the scanner went 1 m ahead
 //! instead of standing still, `--apart N` matches each keyframe with the N-th before it.
 
+#![expect(
+    clippy::disallowed_methods,
+    reason = "takes the time, which the library does not"
+)]
+
 mod common;
 
 use std::time::Instant;

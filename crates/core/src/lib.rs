@@ -4,6 +4,8 @@
 //! Data flows one way: scan → polylines → shape match → alignment → merge → map. This library knows no
 //! files, clock, printing or ROS.
 
+#![warn(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
+
 // In the order in which data flows.
 pub mod geometry;
 pub mod scan;

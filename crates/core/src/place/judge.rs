@@ -51,12 +51,7 @@ impl Agreement {
     /// all end where they should.
     #[must_use]
     pub fn score(&self) -> f64 {
-        let u: f64 = std::env::var("U")
-            .ok()
-            .and_then(|v| v.parse().ok())
-            .unwrap_or(0.0);
-        let sum = self.on_map as f64 - 0.5 * self.through as f64 - 0.5 * self.short as f64
-            + u * self.unknown as f64;
+        let sum = self.on_map as f64 - 0.5 * (self.through + self.short) as f64;
         if self.beams == 0 {
             0.0
         } else {
