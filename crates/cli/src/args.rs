@@ -113,6 +113,12 @@ pub enum Command {
     /// The exit code is 3 when not all scans are located.
     #[command(verbatim_doc_comment)]
     Locate(LocateArgs),
+    /// Join two maps by their shape
+    ///
+    /// FIRST keeps its place; SECOND is found in it without a guess, moved and tied to it wherever both have seen the
+    /// same walls. The maps are not joined, and the exit code is 1, when they have too little in common, do not
+    /// fit where they overlap, or could be joined in more than one way.
+    Merge(MergeArgs),
     /// Write a log of a made-up place, and the truth about it
     Simulate(SimulateArgs),
     /// Watch a map grow in the browser
@@ -197,9 +203,18 @@ impl LogArgs {
 pub struct BuildArgs {
     #[command(flatten)]
     pub log: LogArgs,
-    /// Folder for the map, the trajectory and the report; made if it is not there
-    #[arg(short, long, value_name = "FOLDER")]
-    pub output: PathBuf,
+    /// Folder for the map, the trajectory and the report; made if it is not there [with --into: the folder that is continued]
+    #[arg(short, long, value_name = "FOLDER", required_unless_present = "into")]
+    pub output: Option<PathBuf>,
+    /// Folder of a map that this log continues: the log is mapped, found in that map by its shape, and joined to it
+    ///
+    /// Scans of the log are counted on in the trajectory. Where the log cannot be found, or in more than one way,
+    /// its map is kept apart, in OUTPUT or in the subfolder `apart`, and the exit code is 3. No report is written.
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["export", "align_axes"])]
+    pub into: Option<PathBuf>,
+    /// Turn the map so that most of its walls run along x and y
+    #[arg(long)]
+    pub align_axes: bool,
     /// Leave out replay.jsonl.gz and report.html
     #[arg(long)]
     pub no_replay: bool,
@@ -361,6 +376,19 @@ pub struct LocateArgs {
     /// Find every scan on its own, whatever the scans before say
     #[arg(long)]
     pub alone: bool,
+}
+
+#[derive(clap::Args)]
+pub struct MergeArgs {
+    /// Folder of a map, as `build` writes it
+    #[arg(value_name = "FIRST")]
+    pub first: PathBuf,
+    /// Folder of the map that is joined to it
+    #[arg(value_name = "SECOND")]
+    pub second: PathBuf,
+    /// Folder for the joined map; made if it is not there
+    #[arg(short, long, visible_alias = "out", value_name = "FOLDER")]
+    pub output: PathBuf,
 }
 
 #[derive(clap::Args)]

@@ -1,5 +1,6 @@
 //! What `build` needs of a mapper, and the mapper of the core library in that role.
 
+use polymapper_core::join::SavedMap;
 use polymapper_core::map::Map;
 use polymapper_core::mapper::{self, Mapper, NotPlaced, Settings, Stage};
 use polymapper_io::log::{BadScan, LogScan};
@@ -32,6 +33,8 @@ pub trait Mapping {
 pub struct Finished {
     pub map: Map,
     pub outcomes: Vec<Outcome>,
+    /// What must be kept to continue the map; scans are numbered as they were added.
+    pub saved: SavedMap,
     /// How the map came to be, if that was recorded.
     pub recorded: Option<Recorded>,
 }
@@ -85,6 +88,7 @@ impl Mapping for CoreMapping {
             None => None,
         };
         Ok(Finished {
+            saved: self.mapper.saved(),
             map,
             outcomes: outcomes.iter().map(outcome).collect(),
             recorded,

@@ -30,3 +30,5 @@ pub mod loops;
 pub mod locate;
 
 pub mod mapper;
+
+pub mod join;

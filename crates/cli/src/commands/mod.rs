@@ -10,6 +10,7 @@ pub mod import;
 pub mod inspect;
 pub mod locate;
 pub mod match_scans;
+pub mod merge;
 pub mod play;
 pub mod simulate;
 pub mod view;

@@ -168,7 +168,8 @@ impl Locator {
         side_points(scan, &extraction.polylines, extraction.noise_m)
     }
 
-    fn find_points(&self, points: &[SidePoint]) -> Localisation {
+    /// [`Self::find`] for the returns of a scan on its polylines.
+    pub(crate) fn find_points(&self, points: &[SidePoint]) -> Localisation {
         let Some(field) = self.field.as_ref().filter(|_| points.len() >= LEAST_POINTS) else {
             return Localisation::nowhere();
         };
@@ -187,6 +188,18 @@ impl Locator {
             .filter_map(|c| self.fix(points, &pieces, c.map_from_scan))
             .collect();
         self.judged(fixes, &pieces)
+    }
+
+    /// The pose near `guess`, whether it fits or not; `sigma_m` is how far off the guess may be.
+    pub(crate) fn fix_near(&self, points: &[SidePoint], guess: Pose, sigma_m: f64) -> Option<Fix> {
+        let guess = Guess {
+            map_from_scan: guess,
+            sigma_m,
+            sigma_rad: 0.05,
+        };
+        let prior = guess.prior();
+        let alignment = align_to_grid(points, &self.sides, |_, _| true, &guess, Some(&prior), &self.align)?;
+        Some(self.fix_at(points, &Pieces::of(points), &alignment))
     }
 
     /// Aligns from `guess` and judges the result.
@@ -257,3 +270,6 @@ impl Locator {
             || wrap_rad(a.theta_rad - b.theta_rad).abs() > self.settings.different_rad
     }
 }
+
+#[cfg(test)]
+mod tests;

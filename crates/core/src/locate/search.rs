@@ -258,3 +258,54 @@ fn is_same(found: &Candidate, pose: Pose, size_m: f64) -> bool {
     let other = found.map_from_scan;
     wrap_rad(other.theta_rad - pose.theta_rad).abs() < SAME_RAD && other.distance(pose) + size_m < SAME_M
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Segment;
+
+    fn room() -> Vec<Segment> {
+        let corners = [(0.0, 0.0), (5.0, 0.0), (5.0, 3.0), (2.0, 3.0), (2.0, 4.0), (0.0, 4.0), (0.0, 0.0)];
+        corners
+            .windows(2)
+            .map(|w| Segment::new(Point::new(w[0].0, w[0].1), Point::new(w[1].0, w[1].1)))
+            .collect()
+    }
+
+    fn seen_from(map_from_scan: Pose) -> Vec<(Point, Point)> {
+        let scan_from_map = map_from_scan.inverse();
+        let at = |side: &Segment, share: f64| scan_from_map * side.at(share);
+        room()
+            .iter()
+            .flat_map(|side| {
+                let direction = scan_from_map.rotate(side.direction().unwrap());
+                [0.1, 0.4, 0.7, 0.95].map(|share| (at(side, share), direction))
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_best_pose_is_that_of_a_search_without_bounds() {
+        let field = Field::new(room().into_iter()).unwrap();
+        let points = seen_from(Pose::new(1.3, 1.1, 2.2));
+        let wanted = Wanted {
+            poses: 1,
+            min_score: 0.1,
+            below_best: 1.0,
+        };
+        let best = search(&field, &points, &wanted)[0];
+        assert!(best.map_from_scan.distance(Pose::new(1.3, 1.1, 2.2)) < 0.2, "{best:?}");
+        let mut naive = 0;
+        for heading in 0..HEADINGS {
+            let turned = turn(&field, &points, heading);
+            for y in 0..70 {
+                for x in 0..80 {
+                    let sum = turned.iter().map(|p| field.value(0, p.sector, x + p.x, y + p.y)).sum();
+                    naive = u32::max(naive, sum);
+                }
+            }
+        }
+        let naive = f64::from(naive) / (255.0 * points.len() as f64);
+        assert!((best.score - naive).abs() < 1e-12, "{} against {naive}", best.score);
+    }
+}

@@ -29,6 +29,8 @@ pub struct MapFile {
     pub map: Map,
     /// Why the map does not hold the whole log; `None` when it does.
     pub partial: Option<String>,
+    /// How far the frame was turned so that walls lie along the axes: the heading of the first placed scan, radians.
+    pub turned_rad: f64,
 }
 
 /// Why a file is not a map.
@@ -108,6 +110,8 @@ struct Kind {
 struct Record {
     #[serde(default)]
     partial: Option<String>,
+    #[serde(default)]
+    turned_rad: f64,
     polylines: Vec<PolylineRecord>,
     #[serde(default)]
     eraser_boxes: Vec<BoxRecord>,
@@ -132,6 +136,9 @@ pub fn write_map(out: &mut impl Write, file: &MapFile) -> io::Result<()> {
         "\"frame\": {},\n\"units\": \"m\",",
         serde_json::to_string(FRAME)?
     )?;
+    if file.turned_rad != 0.0 {
+        writeln!(out, "\"turned_rad\": {},", (file.turned_rad * 1e6).round() / 1e6)?;
+    }
     writeln!(out, "\"partial\": {},", serde_json::to_string(&file.partial)?)?;
     let polylines = file.map.polylines.iter().map(polyline_record);
     write_array(out, "polylines", polylines)?;
@@ -234,6 +241,7 @@ pub(crate) fn map_from_json(text: &str, name: &str) -> Result<MapFile, MapFileEr
     Ok(MapFile {
         map,
         partial: record.partial,
+        turned_rad: record.turned_rad,
     })
 }
 
@@ -307,6 +315,7 @@ mod tests {
                 }],
             },
             partial: Some("stopped \"by hand\"".to_owned()),
+            turned_rad: 0.0,
         }
     }
 
