@@ -117,6 +117,9 @@ pub struct Joined {
 
 /// Fewest keyframes that have to agree, a metre apart or more.
 const LEAST_AGREEING: usize = 5;
+/// Share of the keyframes looked for that have to agree: of a hundred keyframes of another building, four or five agree by
+/// chance.
+const LEAST_AGREEING_SHARE: f64 = 0.1;
 /// Of the keyframes that see the first map, the share that may disagree.
 const MOST_DISAGREEING: f64 = 0.25;
 /// Another way to join them may have this share of the votes.

@@ -1,6 +1,6 @@
 //! Where one map lies in another, by the votes of its keyframes.
 
-use super::{LEAST_AGREEING, MOST_DISAGREEING, MOST_OTHER, NotJoined};
+use super::{LEAST_AGREEING, LEAST_AGREEING_SHARE, MOST_DISAGREEING, MOST_OTHER, NotJoined};
 use crate::align::Information;
 use crate::geometry::{Point, Pose, wrap_rad};
 use crate::keyframe::Keyframe;
@@ -80,7 +80,7 @@ pub(super) fn choose(locator: &Locator, looked: &[Found], keyframes: &[Keyframe]
     let ways = ways(looked, keyframes);
     let best = ways.first();
     let agreeing = best.map_or(0, |w| w.1);
-    let needed = LEAST_AGREEING;
+    let needed = LEAST_AGREEING.max((LEAST_AGREEING_SHARE * looked.len() as f64).ceil() as usize);
     let Some(&(first_from_second, _)) = best.filter(|w| w.1 >= needed) else {
         return Err(NotJoined::TooLittle {
             agreeing,
