@@ -99,9 +99,16 @@ fn scans_that_the_map_was_built_without_are_found_in_it() {
         if row[2] != "located" {
             continue;
         }
-        let found = Pose::new(row[3].parse().unwrap(), row[4].parse().unwrap(), row[5].parse().unwrap());
+        let found = Pose::new(
+            row[3].parse().unwrap(),
+            row[4].parse().unwrap(),
+            row[5].parse().unwrap(),
+        );
         // Nine of ten scans are in the map: the neighbours of the one held back.
-        let (before, after) = (neighbours[9 * scan + 8].unwrap(), neighbours[9 * scan + 9].unwrap());
+        let (before, after) = (
+            neighbours[9 * scan + 8].unwrap(),
+            neighbours[9 * scan + 9].unwrap(),
+        );
         let slack_m = 0.3 + before.distance(after);
         let slack_rad = 0.09 + wrap_rad(after.theta_rad - before.theta_rad).abs();
         let is_right = found.distance(before) < slack_m

@@ -34,7 +34,10 @@ pub fn run(args: &BuildArgs) -> anyhow::Result<Finish> {
     if let Some(old) = &args.into {
         return super::merge::continue_map(args, old);
     }
-    let output = args.output.as_deref().context("no folder for the result: --output or --into")?;
+    let output = args
+        .output
+        .as_deref()
+        .context("no folder for the result: --output or --into")?;
     prepare_folder(output)?;
     let log = scans::open(&args.log.choice.log, args.log.read_options())?;
     let odometry_used = args.log.use_odometry;

@@ -58,9 +58,17 @@ pub fn continue_map(args: &BuildArgs, old: &Path) -> anyhow::Result<Finish> {
             prepare_folder(&apart)?;
             second.partial = reading.partial;
             second.write(&apart)?;
-            pictures::write(&apart, &second.map, &second.rows, &args.log.choice.log.to_string_lossy())?;
+            pictures::write(
+                &apart,
+                &second.map,
+                &second.rows,
+                &args.log.choice.log.to_string_lossy(),
+            )?;
             say(format_args!("not joined to {}: {why}", old.display()));
-            say(format_args!("the map of the log is kept apart: {}", apart.display()));
+            say(format_args!(
+                "the map of the log is kept apart: {}",
+                apart.display()
+            ));
             Ok(Finish::WithLoss)
         }
     }
@@ -93,8 +101,16 @@ fn write_joined(first: MapFolder, second: MapFolder, joined: Joined, folder: &Pa
     } = joined;
     let (now_first, now_second) = saved.keyframes.split_at(first.saved.keyframes.len());
     let scans_before = first.rows.len();
-    let mut rows = moved(first.rows, &first.saved, now_first.iter().map(|k| k.map_from_scan));
-    let after = moved(second.rows, &second.saved, now_second.iter().map(|k| k.map_from_scan));
+    let mut rows = moved(
+        first.rows,
+        &first.saved,
+        now_first.iter().map(|k| k.map_from_scan),
+    );
+    let after = moved(
+        second.rows,
+        &second.saved,
+        now_second.iter().map(|k| k.map_from_scan),
+    );
     rows.extend(after.into_iter().map(|row| TrajectoryRow {
         scan: row.scan + scans_before,
         ..row

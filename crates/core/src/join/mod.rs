@@ -3,7 +3,7 @@
 //! In: two maps with their keyframes ([`SavedMap`]). Out: one map with all keyframes, or why they were not joined.
 //!
 //! 1. Keyframes of the second map, a metre and more apart, are looked for in the first one by themselves (`locate`); each
-//!    pose found says where the second map would lie ([`votes`]).
+//!    pose found says where the second map would lie (`votes`).
 //! 2. The place that most keyframes agree on is taken if enough do, if few of those that see the first map there
 //!    disagree, and if no other place has half as many. Maps of two houses agree by chance in a keyframe or
 //!    two; a house with two equal wings is ambiguous.
@@ -81,7 +81,9 @@ pub enum NotJoined {
         needed: usize,
     },
     /// Where the maps would overlap, they show different things.
-    #[error("they do not fit: {disagreeing} of {overlapping} places of the second map see other walls than the first map has there")]
+    #[error(
+        "they do not fit: {disagreeing} of {overlapping} places of the second map see other walls than the first map has there"
+    )]
     Contradiction {
         /// Keyframes that disagree.
         disagreeing: usize,

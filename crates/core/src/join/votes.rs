@@ -76,7 +76,11 @@ fn apart(keyframes: &[Keyframe]) -> Vec<usize> {
 }
 
 /// The place of the second map that most keyframes agree on, if it is the only one.
-pub(super) fn choose(locator: &Locator, looked: &[Found], keyframes: &[Keyframe]) -> Result<Choice, NotJoined> {
+pub(super) fn choose(
+    locator: &Locator,
+    looked: &[Found],
+    keyframes: &[Keyframe],
+) -> Result<Choice, NotJoined> {
     let ways = ways(looked, keyframes);
     let best = ways.first();
     let agreeing = best.map_or(0, |w| w.1);
@@ -135,7 +139,7 @@ fn ways(looked: &[Found], keyframes: &[Keyframe]) -> Vec<(Pose, usize)> {
         })
         .collect();
     // Stable: of equals the first keyframe's.
-    out.sort_by(|a, b| b.1.cmp(&a.1));
+    out.sort_by_key(|way| std::cmp::Reverse(way.1));
     out
 }
 
@@ -158,7 +162,8 @@ fn contradiction(locator: &Locator, looked: &[Found], keyframes: &[Keyframe], wa
     let (mut overlapping, mut disagreeing) = (0, 0);
     for found in looked {
         let keyframe = &keyframes[found.keyframe];
-        let Some(fix) = locator.fix_near(&keyframe.points, way * keyframe.map_from_scan, AGREE_M / 3.0) else {
+        let Some(fix) = locator.fix_near(&keyframe.points, way * keyframe.map_from_scan, AGREE_M / 3.0)
+        else {
             continue;
         };
         if fix.agreement.known_share() >= LEAST_KNOWN {

@@ -2,8 +2,8 @@
 //!
 //! In: a map, scans. Out for each scan: poses that explain it, best first, and whether the best is the only one.
 //!
-//! 1. All poses of the map are searched by branch and bound ([`search`]).
-//! 2. The best few dozen are aligned (`align`) and judged by how likely the whole scan is from them ([`likelihood`]): where
+//! 1. All poses of the map are searched by branch and bound (`search`).
+//! 2. The best few dozen are aligned (`align`) and judged by how likely the whole scan is from them (`likelihood`): where
 //!    every beam ends, what it went through, and of what the map says nothing.
 //! 3. *Located* is a scan that fits, and from no other pose nearly as well; *ambiguous* one that fits, but from another
 //!    pose as well or anywhere along a wall; *not found* one that fits nowhere.
@@ -198,7 +198,14 @@ impl Locator {
             sigma_rad: 0.05,
         };
         let prior = guess.prior();
-        let alignment = align_to_grid(points, &self.sides, |_, _| true, &guess, Some(&prior), &self.align)?;
+        let alignment = align_to_grid(
+            points,
+            &self.sides,
+            |_, _| true,
+            &guess,
+            Some(&prior),
+            &self.align,
+        )?;
         Some(self.fix_at(points, &Pieces::of(points), &alignment))
     }
 

@@ -140,8 +140,8 @@ impl<'a> Coarse<'a> {
                 bound,
                 level: self.field.top,
                 heading,
-                x: (place % columns << self.field.top) as i32,
-                y: (place / columns << self.field.top) as i32,
+                x: ((place % columns) << self.field.top) as i32,
+                y: ((place / columns) << self.field.top) as i32,
             });
         }
     }
@@ -265,7 +265,15 @@ mod tests {
     use crate::geometry::Segment;
 
     fn room() -> Vec<Segment> {
-        let corners = [(0.0, 0.0), (5.0, 0.0), (5.0, 3.0), (2.0, 3.0), (2.0, 4.0), (0.0, 4.0), (0.0, 0.0)];
+        let corners = [
+            (0.0, 0.0),
+            (5.0, 0.0),
+            (5.0, 3.0),
+            (2.0, 3.0),
+            (2.0, 4.0),
+            (0.0, 4.0),
+            (0.0, 0.0),
+        ];
         corners
             .windows(2)
             .map(|w| Segment::new(Point::new(w[0].0, w[0].1), Point::new(w[1].0, w[1].1)))
@@ -294,18 +302,28 @@ mod tests {
             below_best: 1.0,
         };
         let best = search(&field, &points, &wanted)[0];
-        assert!(best.map_from_scan.distance(Pose::new(1.3, 1.1, 2.2)) < 0.2, "{best:?}");
+        assert!(
+            best.map_from_scan.distance(Pose::new(1.3, 1.1, 2.2)) < 0.2,
+            "{best:?}"
+        );
         let mut naive = 0;
         for heading in 0..HEADINGS {
             let turned = turn(&field, &points, heading);
             for y in 0..70 {
                 for x in 0..80 {
-                    let sum = turned.iter().map(|p| field.value(0, p.sector, x + p.x, y + p.y)).sum();
+                    let sum = turned
+                        .iter()
+                        .map(|p| field.value(0, p.sector, x + p.x, y + p.y))
+                        .sum();
                     naive = u32::max(naive, sum);
                 }
             }
         }
         let naive = f64::from(naive) / (255.0 * points.len() as f64);
-        assert!((best.score - naive).abs() < 1e-12, "{} against {naive}", best.score);
+        assert!(
+            (best.score - naive).abs() < 1e-12,
+            "{} against {naive}",
+            best.score
+        );
     }
 }

@@ -75,7 +75,12 @@ fn is_at(fix: &Fix, pose: Pose) -> bool {
 #[test]
 fn a_scan_is_found_wherever_it_was_taken_and_however_turned() {
     let map = halls();
-    for (x, y, theta_rad) in [(1.5, 1.2, 0.3), (3.1, 7.4, -2.0), (10.2, 2.9, 3.0), (6.0, 1.0, 1.1)] {
+    for (x, y, theta_rad) in [
+        (1.5, 1.2, 0.3),
+        (3.1, 7.4, -2.0),
+        (10.2, 2.9, 3.0),
+        (6.0, 1.0, 1.1),
+    ] {
         let pose = Pose::new(x, y, theta_rad);
         let found = find(&map, &seen(&map, pose));
         assert_eq!(found.verdict, Verdict::Located, "{pose:?}: {found:?}");

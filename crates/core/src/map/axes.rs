@@ -138,7 +138,10 @@ mod tests {
             let turned = room().turned(turn_rad);
             let found_rad = dominant_direction_rad(&turned).unwrap();
             assert!(found_rad.abs() <= FRAC_PI_2 / 2.0 + 1e-9);
-            assert!(quarter_wrapped(found_rad - turn_rad).abs() < 1e-6, "{turn_rad}: {found_rad}");
+            assert!(
+                quarter_wrapped(found_rad - turn_rad).abs() < 1e-6,
+                "{turn_rad}: {found_rad}"
+            );
             let back = dominant_direction_rad(&turned.turned(-found_rad)).unwrap();
             assert!(back.abs() < 1e-6, "{back}");
         }

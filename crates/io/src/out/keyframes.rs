@@ -279,7 +279,13 @@ impl Reading {
         }
         let keyframes = &self.file.saved.keyframes;
         let count = keyframes.len();
-        if let Some(e) = self.file.saved.edges.iter().find(|e| e.from >= count || e.to >= count) {
+        if let Some(e) = self
+            .file
+            .saved
+            .edges
+            .iter()
+            .find(|e| e.from >= count || e.to >= count)
+        {
             return Err(format!(
                 "an edge from {} to {}, but there are {count} keyframes",
                 e.from, e.to
