@@ -60,7 +60,7 @@ fn the_demo_leaves_every_file_and_says_where_the_picture_is() {
     let placed = report["scans"]["placed"].as_u64().unwrap() as usize;
     assert_eq!(read(&out, "trajectory.csv").lines().count(), 1 + 300);
     assert_eq!(read(&out, "trajectory.tum").lines().count(), placed);
-    assert_eq!(fs::read_dir(&out).unwrap().count(), 8, "no drafts are left");
+    assert_eq!(fs::read_dir(&out).unwrap().count(), 9, "no drafts are left");
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn without_a_replay_there_is_none_and_nothing_else_is_missing() {
     ]);
     assert!(!folder.path().join("report.html").exists());
     assert!(!folder.path().join("replay.jsonl.gz").exists());
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 6);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 7);
     let output = polymapper(&["view", &out]);
     let talk = String::from_utf8(output.stderr).unwrap();
     assert!(talk.contains("build it again without --no-replay"), "{talk}");

@@ -33,7 +33,7 @@ fn sample() -> Vec<String> {
         .read_to_string(&mut text)
         .unwrap();
     text.lines()
-        .filter(|l| l.starts_with("FLASER"))
+        .filter(|l| l.starts_with("ROBOTLASER1"))
         .map(|l| format!("{l}\n"))
         .collect()
 }
