@@ -380,7 +380,9 @@ def held_pose(k, every, poses, logged):
         before = compose(before, compose(inverse(logged[scan - 1]), logged[scan]))
         after = compose(after, compose(inverse(logged[scan + 1]), logged[scan]))
     turn = wrapped(after[2] - before[2])
-    if np.hypot(after[0] - before[0], after[1] - before[1]) > 0.2 or abs(turn) > np.radians(6):
+    # Full rate: between two scans that may themselves be a step apart. Keyframes: both say where this one is.
+    most_m, most_deg = (0.2, 6.0) if logged else (2 * RIGHT_M, 2 * RIGHT_DEG)
+    if np.hypot(after[0] - before[0], after[1] - before[1]) > most_m or abs(turn) > np.radians(most_deg):
         return None
     return [(before[0] + after[0]) / 2, (before[1] + after[1]) / 2, before[2] + turn / 2]
 
