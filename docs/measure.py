@@ -6,7 +6,7 @@
 --tools  the scoring scripts (relations_score.py, map_score.py, keyframe_score.py, extraction_score.py)
 --data   the public data sets that docs/benchmarks.md names
 --work   where results go [default: target/measure]
---only   some of: sample, raw, reference, keyframes, extraction, small, simulator [default: all]
+--only   some of: sample, raw, reference, keyframes, extraction, small, simulator, locate, join [default: all]
 --write  put the tables where docs/benchmarks.md and README.md have a place for them: between
          `<!-- NAME -->` and `<!-- /NAME -->`
 
@@ -306,7 +306,129 @@ def simulated(bench, plans, scanners, motion, people):
     return rows
 
 
-SECTIONS = {f.__name__: f for f in (sample, raw, reference, keyframes, extraction, small, simulator)}
+# Log, every how many scans one is held back. A pose is right within 0.3 m and 5 degrees.
+HELD_BACK = (("raw/intel.clf.gz", 50), ("raw/aces.clf.gz", 50), ("raw/mit-csail.clf.gz", 10),
+             ("keyframes/intel.log.gz", 10), ("keyframes/aces.log.gz", 10), ("keyframes/csail.log.gz", 10))
+RIGHT_M, RIGHT_DEG = 0.3, 5.0
+
+
+def locate(bench):
+    """Scans that a map was built without, found in it one by one."""
+    rows = []
+    for name, every in HELD_BACK:
+        log = bench.data / name
+        stem = name.split(".")[0].replace("/", "-")
+        rest, held = hold_back(bench, log, stem, every)
+        out, _ = bench.build(rest, f"locate-{stem}")
+        found = bench.work / f"locate-{stem}.csv"
+        tell(f"locate {stem}")
+        cpu_s = run([bench.program, "locate", "--map", out / "map.json", held, "--alone", "--out", found], quiet=True)
+        rows.append((name.split(".")[0], f"every {every}th", *locate_cells(log, out, found, every, cpu_s)))
+    head = ("log", "held back", "scans", "right and sure", "wrong and sure", "best pose right", "ambiguous", "not found", "CPU ms a scan")
+    return {"locate": table(head, rows)}
+
+
+def laser_lines(log):
+    opener = gzip.open if log.suffix == ".gz" else open
+    with opener(log, "rt", errors="replace") as f:
+        return [line for line in f if line.startswith("FLASER")]
+
+
+def hold_back(bench, log, stem, every):
+    """The log without every N-th scan, and these."""
+    rest, held = bench.work / f"{stem}-rest.log", bench.work / f"{stem}-held.log"
+    with open(rest, "w") as r, open(held, "w") as h:
+        for k, line in enumerate(laser_lines(log)):
+            (h if k % every == every - 1 else r).write(line)
+    return rest, held
+
+
+def locate_cells(log, out, found, every, cpu_s):
+    poses = read_poses(out / "trajectory.csv")
+    steps = logged_steps(log) if "keyframes" in str(log) else None
+    n = right = wrong = best = 0
+    outcomes = {"located": 0, "ambiguous": 0, "not_found": 0}
+    with open(found, newline="") as f:
+        located = list(csv.DictReader(f))
+    for r in located:
+        truth = held_pose(int(r["scan"]), every, poses, steps)
+        if truth is None:
+            continue
+        n += 1
+        outcomes[r["outcome"]] += 1
+        ok = r["x_m"] != "" and is_right(truth, [float(r[c]) for c in ("x_m", "y_m", "theta_rad")])
+        best += ok
+        right += ok and r["outcome"] == "located"
+        wrong += not ok and r["outcome"] == "located"
+    return (n, percent(right / n), wrong, percent(best / n), outcomes["ambiguous"], outcomes["not_found"],
+            f"{1e3 * cpu_s / len(located):.1f}")
+
+
+def logged_steps(log):
+    """Keyframe logs: the published poses, as steps from a scan to its neighbours."""
+    words = [line.split() for line in laser_lines(log)]
+    return [[float(v) for v in w[2 + int(w[1]):5 + int(w[1])]] for w in words]
+
+
+def held_pose(k, every, poses, logged):
+    """Where a scan that was held back is in the map, from the scans before and after; None where they disagree."""
+    before, after = poses.get((every - 1) * (k + 1) - 1), poses.get((every - 1) * (k + 1))
+    if before is None or after is None:
+        return None
+    scan = every * (k + 1) - 1
+    if logged:
+        before = compose(before, compose(inverse(logged[scan - 1]), logged[scan]))
+        after = compose(after, compose(inverse(logged[scan + 1]), logged[scan]))
+    turn = wrapped(after[2] - before[2])
+    # Full rate: between two scans that may themselves be a step apart. Keyframes: both say where this one is.
+    most_m, most_deg = (0.2, 6.0) if logged else (2 * RIGHT_M, 2 * RIGHT_DEG)
+    if np.hypot(after[0] - before[0], after[1] - before[1]) > most_m or abs(turn) > np.radians(most_deg):
+        return None
+    return [(before[0] + after[0]) / 2, (before[1] + after[1]) / 2, before[2] + turn / 2]
+
+
+def compose(a, b):
+    c, s = np.cos(a[2]), np.sin(a[2])
+    return [a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], a[2] + b[2]]
+
+
+def inverse(a):
+    c, s = np.cos(a[2]), np.sin(a[2])
+    return [-c * a[0] - s * a[1], s * a[0] - c * a[1], -a[2]]
+
+
+def wrapped(angle):
+    return (angle + np.pi) % (2 * np.pi) - np.pi
+
+
+def is_right(truth, pose):
+    return bool(np.hypot(truth[0] - pose[0], truth[1] - pose[1]) <= RIGHT_M
+                and abs(wrapped(truth[2] - pose[2])) <= np.radians(RIGHT_DEG))
+
+
+def join(bench):
+    """The halves of a log built apart and merged, against the whole."""
+    log, truth = bench.data / "raw/intel.clf.gz", bench.data / "raw/intel.relations"
+    lines = laser_lines(log)
+    halves = []
+    for name, part in (("first", lines[:len(lines) // 2]), ("second", lines[len(lines) // 2:])):
+        half = bench.work / f"intel-{name}.log"
+        half.write_text("".join(part))
+        halves.append(bench.build(half, f"intel-{name}")[0])
+    merged = bench.work / "intel-merged"
+    run([bench.program, "merge", *halves, "--out", merged], quiet=True)
+    whole, _ = bench.build(log, "raw-intel")
+    rows = []
+    for name, out in (("whole", whole), ("halves merged", merged)):
+        figures = bench.score("relations_score.py", log, truth, out / "trajectory.csv")
+        s = bench.score("map_score.py", log, out / "trajectory.csv", out / "map.json")
+        rows.append((name, relation_cell(figures, "all"), relation_cell(figures, "loop"), s["vertices"], f"{s['length_m']:.0f}",
+                     percent(s["near_5cm"]), percent(s["duplicate"]), percent(s["seen_through"])))
+    head = ("intel", "all, m / °", "loops", "vertices", "length m", "near 5 cm", "duplicate", "seen through")
+    return {"join": table(head, rows)}
+
+
+SECTIONS = {f.__name__: f for f in (sample, raw, reference, keyframes, extraction, small, simulator, locate, join)}
 
 
 # ------------------------------------------------------------------ writing

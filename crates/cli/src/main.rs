@@ -9,6 +9,7 @@ mod clock;
 mod commands;
 mod exports;
 mod interrupt;
+mod map_folder;
 mod mapping;
 mod memory;
 mod pictures;
@@ -53,6 +54,8 @@ fn main() -> ExitCode {
         Command::Extract(args) => commands::extract::run(&args),
         Command::Figures(args) => commands::figures::run(&args),
         Command::Match(args) => commands::match_scans::run(&args),
+        Command::Locate(args) => commands::locate::run(&args),
+        Command::Merge(args) => commands::merge::run(&args),
         Command::Simulate(args) => commands::simulate::run(&args),
         Command::View(args) => commands::view::run(&args),
         Command::Play(args) => commands::play::run(&args),

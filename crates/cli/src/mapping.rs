@@ -1,5 +1,6 @@
 //! What `build` needs of a mapper, and the mapper of the core library in that role.
 
+use polymapper_core::join::SavedMap;
 use polymapper_core::map::Map;
 use polymapper_core::mapper::{self, Mapper, NotPlaced, Settings, Stage};
 use polymapper_io::log::{BadScan, LogScan};
@@ -32,6 +33,8 @@ pub struct Finished {
     pub outcomes: Vec<Outcome>,
     /// For each of these scans, the one at whose place it was recognised to be.
     pub recognised: Vec<Option<usize>>,
+    /// What must be kept to continue the map; scans are numbered as they were added.
+    pub saved: SavedMap,
     /// How the map came to be.
     pub recorded: Recorded,
 }
@@ -77,6 +80,7 @@ impl Mapping for CoreMapping {
         clock.enter("record");
         let recorded = self.record.finish(&map, &outcomes, partial)?;
         Ok(Finished {
+            saved: self.mapper.saved(),
             map,
             outcomes: outcomes.iter().map(outcome).collect(),
             recognised: self.recognised,
@@ -90,7 +94,8 @@ impl Mapping for CoreMapping {
     }
 }
 
-fn outcome(outcome: &mapper::Outcome) -> Outcome {
+/// An outcome as it is written.
+pub fn outcome(outcome: &mapper::Outcome) -> Outcome {
     match *outcome {
         mapper::Outcome::Placed { map_from_scan } => Outcome::Placed { map_from_scan },
         mapper::Outcome::NotPlaced { reason } => Outcome::NotPlaced {

@@ -60,7 +60,7 @@ fn the_demo_leaves_every_file_and_says_where_the_picture_is() {
     let placed = report["scans"]["placed"].as_u64().unwrap() as usize;
     assert_eq!(read(&out, "trajectory.csv").lines().count(), 1 + 300);
     assert_eq!(read(&out, "trajectory.tum").lines().count(), placed);
-    assert_eq!(fs::read_dir(&out).unwrap().count(), 8, "no drafts are left");
+    assert_eq!(fs::read_dir(&out).unwrap().count(), 9, "no drafts are left");
 }
 
 #[test]

@@ -27,4 +27,8 @@ pub mod map;
 
 pub mod loops;
 
+pub mod locate;
+
 pub mod mapper;
+
+pub mod join;

@@ -13,7 +13,8 @@ use anyhow::{Context, bail, ensure};
 /// Exit code of `polymapper` when the work is done, but scans were not placed.
 const DONE_WITH_LOSS: i32 = 3;
 /// Files that a build must leave.
-const RESULT: [&str; 8] = [
+const RESULT: [&str; 9] = [
+    "keyframes.jsonl.gz",
     "map.json",
     "map.png",
     "map.svg",

@@ -99,6 +99,28 @@ pub enum Command {
     ///   shape_cost_rad2       how unlike their shapes are
     #[command(verbatim_doc_comment)]
     Match(MatchArgs),
+    /// Find the scans of a log in a finished map
+    ///
+    /// No guess is needed. Every scan has a row on standard output: scan (counted from 0), outcome, x_m, y_m,
+    /// heading_deg (pose of the laser in the map), score (1: every beam ends where the map says),
+    /// second (score of the next best, different pose).
+    ///
+    /// outcome:
+    ///   located    one pose explains the scan, and no other comes near
+    ///   ambiguous  another pose explains it nearly as well, or the walls leave a direction open;
+    ///              the best pose is given
+    ///   not_found  no pose explains it
+    ///
+    /// While scans follow each other closely, a pose is carried on from scan to scan in the map, which does not change.
+    /// The exit code is 3 when not all scans are located.
+    #[command(verbatim_doc_comment)]
+    Locate(LocateArgs),
+    /// Join two maps by their shape
+    ///
+    /// FIRST keeps its place; SECOND is found in it without a guess, moved and tied to it wherever both have seen the
+    /// same walls. The maps are not joined, and the exit code is 1, when they have too little in common, do not
+    /// fit where they overlap, or could be joined in more than one way.
+    Merge(MergeArgs),
     /// Write a log of a made-up place, and the truth about it
     Simulate(SimulateArgs),
     /// Watch a map grow in the browser
@@ -124,9 +146,18 @@ pub enum Command {
 pub struct BuildArgs {
     #[command(flatten)]
     pub log: LogArgs,
-    /// Folder for the map, the trajectory and the report; made if it is not there
-    #[arg(short, long, value_name = "FOLDER")]
-    pub output: PathBuf,
+    /// Folder for the map, the trajectory and the report; made if it is not there [with --into: the folder that is continued]
+    #[arg(short, long, value_name = "FOLDER", required_unless_present = "into")]
+    pub output: Option<PathBuf>,
+    /// Folder of a map that this log continues: the log is mapped, found in that map by its shape, and joined to it
+    ///
+    /// Scans of the log are counted on in the trajectory. Where the log cannot be found, or in more than one way,
+    /// its map is kept apart, in OUTPUT or in the subfolder `apart`, and the exit code is 3. No report is written.
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["export", "align_axes"])]
+    pub into: Option<PathBuf>,
+    /// Turn the map so that most of its walls run along x and y
+    #[arg(long)]
+    pub align_axes: bool,
     /// Leave out replay.jsonl.gz: `view` then shows the map, but not how it grew
     #[arg(long)]
     pub no_replay: bool,
@@ -244,6 +275,34 @@ fn scan_pair(text: &str) -> Result<(usize, usize), String> {
         Some(_) => Err("two different scans are needed".to_owned()),
         None => Err("two numbers of scans with a comma between are needed, such as 12,40".to_owned()),
     }
+}
+
+#[derive(clap::Args)]
+pub struct LocateArgs {
+    #[command(flatten)]
+    pub log: LogChoice,
+    /// Map to find the scans in, as `build` writes it
+    #[arg(long, value_name = "MAP.JSON")]
+    pub map: PathBuf,
+    /// File for the rows as well: JSON lines with all poses if the name ends in .jsonl, else CSV
+    #[arg(short, long, visible_alias = "out", value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// Find every scan on its own, whatever the scans before say
+    #[arg(long)]
+    pub alone: bool,
+}
+
+#[derive(clap::Args)]
+pub struct MergeArgs {
+    /// Folder of a map, as `build` writes it
+    #[arg(value_name = "FIRST")]
+    pub first: PathBuf,
+    /// Folder of the map that is joined to it
+    #[arg(value_name = "SECOND")]
+    pub second: PathBuf,
+    /// Folder for the joined map; made if it is not there
+    #[arg(short, long, visible_alias = "out", value_name = "FOLDER")]
+    pub output: PathBuf,
 }
 
 #[derive(clap::Args)]

@@ -11,17 +11,18 @@ use anyhow::Context;
 use polymapper_core::geometry::Polyline;
 use polymapper_core::map::Map;
 use polymapper_core::mapper::Settings;
-use polymapper_io::log::{Entry, LineFault, Log};
+use polymapper_io::log::{Entry, Log};
 use polymapper_io::out::formats::{ExportFormat, ScanSource};
 use polymapper_io::out::{
-    AtomicFile, InputReport, MapFile, MapReport, Outcome, Report, ScanReport, TrajectoryRow, prepare_folder,
-    read_map, read_trajectory_csv, write_map, write_trajectory_csv, write_trajectory_tum,
+    AtomicFile, InputReport, MapReport, Outcome, Report, ScanReport, TrajectoryRow, prepare_folder, read_map,
+    read_trajectory_csv,
 };
 
 use crate::args::BuildArgs;
 use crate::clock::StageClock;
 use crate::exports::{ExportChoice, Exported, KeptScans, use_scans, write_all};
 use crate::interrupt::Interrupt;
+use crate::map_folder::{LaserLine, MapFolder, UNUSABLE};
 use crate::mapping::{CoreMapping, Mapping};
 use crate::record::BuildRecord;
 use crate::scans::{self, Reading};
@@ -30,19 +31,27 @@ use crate::{Finish, memory, pictures, report_html};
 
 /// Runs the command.
 pub fn run(args: &BuildArgs) -> anyhow::Result<Finish> {
-    prepare_folder(&args.output)?;
+    if let Some(old) = &args.into {
+        return super::merge::continue_map(args, old);
+    }
+    let output = args
+        .output
+        .as_deref()
+        .context("no folder for the result: --output or --into")?;
+    prepare_folder(output)?;
     let log = scans::open(&args.log.choice.log, args.log.read_options())?;
     let odometry_used = args.log.use_odometry;
-    let record = BuildRecord::create(&args.output, log.name(), !args.no_replay)?;
+    let record = BuildRecord::create(output, log.name(), !args.no_replay)?;
     build(
         log,
         CoreMapping::new(Settings::default(), record),
-        &args.output,
+        output,
         odometry_used,
         &Interrupt::listen()?,
         &Also {
             formats: &args.export,
             choice: Some(&args.choice),
+            align_axes: args.align_axes,
         },
     )
 }
@@ -52,6 +61,8 @@ pub fn run(args: &BuildArgs) -> anyhow::Result<Finish> {
 pub struct Also<'a> {
     formats: &'a [&'static ExportFormat],
     choice: Option<&'a ExportChoice>,
+    /// The result is turned so that walls lie along the axes.
+    align_axes: bool,
 }
 
 /// Builds the map of `log` and writes everything into `folder`, which is there and writable.
@@ -87,10 +98,21 @@ pub fn build(
     let settings = mapper.settings();
     let finished = mapper.finish(reading.partial.as_deref(), &mut clock)?;
     clock.enter("write");
-    let rows = trajectory(lines, finished.outcomes, &finished.recognised)?;
-    write_result(folder, &finished.map, &rows, reading.partial.as_deref())?;
+    let mut result = MapFolder::of(
+        lines,
+        finished.map,
+        finished.outcomes,
+        &finished.recognised,
+        finished.saved,
+    )?;
+    result.partial.clone_from(&reading.partial);
+    if also.align_axes {
+        result.align_axes();
+    }
+    result.write(folder)?;
+    let MapFolder { map, rows, .. } = result;
     clock.enter("draw");
-    pictures::write(folder, &finished.map, &rows, log.name())?;
+    pictures::write(folder, &map, &rows, log.name())?;
     if let Some(choice) = also.choice.filter(|_| !also.formats.is_empty()) {
         clock.enter("export");
         // From the files, so that `export` gives the same bytes another day.
@@ -109,89 +131,18 @@ pub fn build(
         partial: reading.partial.clone(),
         input: InputReport::new(log.name(), log.format(), odometry_used, &reading.tally),
         scans: scan_report(&rows),
-        map: map_report(&finished.map, folder)?,
+        map: map_report(&map, folder)?,
         stages: clock.times(),
         peak_memory_bytes: memory::peak_bytes(),
         settings,
         notes: reading.tally.notes.clone(),
     };
     AtomicFile::write(&folder.join("report.json"), |f| report.write(f))?;
-    report_html::write(folder, &report, &finished.map, returns, finished.recorded)?;
+    report_html::write(folder, &report, &map, returns, finished.recorded)?;
     tell(&report, &reading, folder);
     Ok(Finish::with_loss(
         reading.has_loss() || report.scans.not_placed > 0,
     ))
-}
-
-/// What is kept of a laser line until the poses are known.
-struct LaserLine {
-    stamp_s: Option<f64>,
-    fault: Option<(u64, LineFault)>,
-}
-
-impl LaserLine {
-    fn of(entry: &Entry) -> Self {
-        match entry {
-            Entry::Scan(scan) => Self {
-                stamp_s: scan.stamp_s,
-                fault: None,
-            },
-            Entry::Bad(bad) => Self {
-                stamp_s: None,
-                fault: Some((bad.line, bad.fault.clone())),
-            },
-        }
-    }
-}
-
-/// A row for every laser line: what the mapper says of the scans that it saw, in order, and between them the lines
-/// that it never saw.
-fn trajectory(
-    lines: Vec<LaserLine>,
-    outcomes: Vec<Outcome>,
-    recognised: &[Option<usize>],
-) -> anyhow::Result<Vec<TrajectoryRow>> {
-    // The mapper counts scans, the trajectory laser lines.
-    let usable = lines.iter().enumerate().filter(|(_, line)| line.fault.is_none());
-    let places: Vec<usize> = usable.map(|(place, _)| place).collect();
-    let mut seen = outcomes.into_iter().zip(recognised);
-    let row = |(scan, line): (usize, LaserLine)| {
-        let (outcome, recognised) = match line.fault {
-            Some((number, fault)) => {
-                let reason = format!("{UNUSABLE} {number}: {fault}");
-                (Outcome::NotPlaced { reason }, &None)
-            }
-            None => seen
-                .next()
-                .with_context(|| format!("the mapper says nothing about scan {scan}"))?,
-        };
-        Ok(TrajectoryRow {
-            scan,
-            stamp_s: line.stamp_s,
-            outcome,
-            recognised: recognised.and_then(|number| places.get(number).copied()),
-        })
-    };
-    lines.into_iter().enumerate().map(row).collect()
-}
-
-/// How the reason of a line that could not be used begins.
-const UNUSABLE: &str = "unusable line";
-
-fn write_result(
-    folder: &Path,
-    map: &Map,
-    rows: &[TrajectoryRow],
-    partial: Option<&str>,
-) -> anyhow::Result<()> {
-    let file = MapFile {
-        map: map.clone(),
-        partial: partial.map(str::to_owned),
-    };
-    AtomicFile::write(&folder.join("map.json"), |f| write_map(f, &file))?;
-    AtomicFile::write(&folder.join("trajectory.csv"), |f| write_trajectory_csv(f, rows))?;
-    AtomicFile::write(&folder.join("trajectory.tum"), |f| write_trajectory_tum(f, rows))?;
-    Ok(())
 }
 
 fn scan_report(rows: &[TrajectoryRow]) -> ScanReport {
@@ -262,6 +213,7 @@ mod tests {
     use std::path::PathBuf;
 
     use polymapper_core::geometry::{Point, Pose};
+    use polymapper_core::join::SavedMap;
     use polymapper_core::map::{MapPolyline, MapVertex};
     use polymapper_io::log::{BadScan, LogScan, ReadOptions};
     use polymapper_io::out::read_map;
@@ -319,6 +271,7 @@ mod tests {
                 // Every scan after the first is at the place of the first.
                 recognised: (0..self.outcomes.len()).map(|k| (k > 0).then_some(0)).collect(),
                 outcomes: self.outcomes,
+                saved: SavedMap::default(),
                 recorded: Recorded(Vec::new()),
             })
         }

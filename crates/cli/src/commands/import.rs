@@ -38,6 +38,7 @@ fn scale(text: &str) -> Result<f64, String> {
 pub fn run(args: &ImportArgs) -> anyhow::Result<Finish> {
     let base = args.base.as_deref().map(read_map).transpose()?;
     let partial = base.as_ref().and_then(|file| file.partial.clone());
+    let turned_rad = base.as_ref().map_or(0.0, |file| file.turned_rad);
     let options = ImportOptions {
         base: base.map(|file| file.map),
         georef: args.georef,
@@ -49,6 +50,7 @@ pub fn run(args: &ImportArgs) -> anyhow::Result<Finish> {
     let file = MapFile {
         map: imported.map,
         partial,
+        turned_rad,
     };
     AtomicFile::write(&args.output, |f| write_map(f, &file))?;
     say(format_args!("map: {}", args.output.display()));

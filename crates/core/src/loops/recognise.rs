@@ -312,20 +312,8 @@ impl Place {
 
     fn agreement(&self, views: &[View], map_from_newest: Pose) -> Agreement {
         views.iter().fold(Agreement::default(), |sum, view| {
-            let a = judge(
-                view.points,
-                &self.sides,
-                map_from_newest * view.newest_from_scan,
-                0.12,
-            );
-            Agreement {
-                beams: sum.beams + a.beams,
-                on_map: sum.on_map + a.on_map,
-                through: sum.through + a.through,
-                short: sum.short + a.short,
-                unknown: sum.unknown + a.unknown,
-                on_map_through: sum.on_map_through + a.on_map_through,
-            }
+            let pose = map_from_newest * view.newest_from_scan;
+            sum.plus(judge(view.points, &self.sides, pose, 0.12))
         })
     }
 }

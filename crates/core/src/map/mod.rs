@@ -1,6 +1,10 @@
 //! The polygonal map: what a build leaves behind.
 
+mod axes;
+
 use crate::geometry::{Point, Polyline};
+
+pub use axes::dominant_direction_rad;
 
 /// A vertex of the map and what it rests on.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,6 +5,8 @@
 //! when something merged is found to move, and after some way, so that it holds only keyframes between which little
 //! drift has gathered. The map of all keyframes is made when it is asked for.
 
+mod saved;
+
 use super::{Settings, Step};
 use std::sync::Arc;
 

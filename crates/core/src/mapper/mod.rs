@@ -27,7 +27,7 @@
 //! # Ok::<(), polymapper_core::scan::ScanError>(())
 //! ```
 
-mod atlas;
+pub(crate) mod atlas;
 mod settings;
 mod step;
 mod track;
@@ -38,6 +38,7 @@ use std::sync::Arc;
 use crate::align::side_points;
 use crate::extract::{ExtractSettings, Extraction, RunningNoise, extract};
 use crate::geometry::Pose;
+use crate::join::SavedMap;
 use crate::keyframe::Seen;
 use crate::map::Map;
 use crate::place::Answer;
@@ -187,6 +188,12 @@ impl Mapper {
     #[must_use]
     pub fn outcomes(&self) -> Vec<Outcome> {
         self.tracks.first().map_or_else(Vec::new, Track::outcomes)
+    }
+
+    /// What must be kept of the map so that it can be continued another day.
+    #[must_use]
+    pub fn saved(&self) -> SavedMap {
+        self.tracks.first().map_or_else(SavedMap::default, Track::saved)
     }
 
     /// The map of all scans so far: a function of the keyframes and their poses.

@@ -10,6 +10,7 @@
 use super::atlas::Atlas;
 use super::{NotPlaced, Outcome, Settings, Step};
 use crate::geometry::{Pose, wrap_rad};
+use crate::join::SavedMap;
 use crate::keyframe::Seen;
 use crate::loops::{Lookup, find_in};
 use crate::map::Map;
@@ -337,6 +338,11 @@ impl Track {
     /// What became of every scan so far, in the map frame as it is now.
     pub fn outcomes(&self) -> Vec<Outcome> {
         self.held.iter().map(|held| self.outcome(held)).collect()
+    }
+
+    /// What must be kept of the map.
+    pub fn saved(&self) -> SavedMap {
+        self.main().saved()
     }
 
     /// The map of all scans that are placed.

@@ -47,6 +47,19 @@ impl Agreement {
         }
     }
 
+    /// This and what is said of other beams.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            beams: self.beams + other.beams,
+            on_map: self.on_map + other.on_map,
+            through: self.through + other.through,
+            short: self.short + other.short,
+            unknown: self.unknown + other.unknown,
+            on_map_through: self.on_map_through + other.on_map_through,
+        }
+    }
+
     /// One number to rank poses by: beams that end on the map count for, beams through walls half as much against,
     /// and so do short ones (something new stands before the wall), unknown ones not at all; per beam. Somebody who
     /// stood close to the scanner and left is looked through by half of the beams: this must not outweigh that they

@@ -23,6 +23,8 @@ pub struct MapFile {
     pub map: Map,
     /// Why the map does not hold the whole log; `None` when it does.
     pub partial: Option<String>,
+    /// How far the frame was turned so that walls lie along the axes: the heading of the first placed scan, radians.
+    pub turned_rad: f64,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -61,6 +63,9 @@ pub fn write_map(out: &mut impl Write, file: &MapFile) -> io::Result<()> {
         "\"frame\": {},\n\"units\": \"m\",",
         serde_json::to_string(FRAME)?
     )?;
+    if file.turned_rad != 0.0 {
+        writeln!(out, "\"turned_rad\": {},", (file.turned_rad * 1e6).round() / 1e6)?;
+    }
     writeln!(out, "\"partial\": {},", serde_json::to_string(&file.partial)?)?;
     let polylines = file.map.polylines.iter().map(polyline_record);
     write_array(out, "polylines", polylines)?;

@@ -76,6 +76,8 @@ struct Kind {
 struct Record {
     #[serde(default)]
     partial: Option<String>,
+    #[serde(default)]
+    turned_rad: f64,
     polylines: Vec<PolylineRecord>,
     #[serde(default)]
     eraser_boxes: Vec<BoxRecord>,
@@ -140,6 +142,7 @@ pub(crate) fn map_from_json(text: &str, name: &str) -> Result<MapFile, MapFileEr
     Ok(MapFile {
         map,
         partial: record.partial,
+        turned_rad: record.turned_rad,
     })
 }
 
@@ -214,6 +217,7 @@ mod tests {
                 }],
             },
             partial: Some("stopped \"by hand\"".to_owned()),
+            turned_rad: 0.0,
         }
     }
 

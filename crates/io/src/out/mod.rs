@@ -8,6 +8,8 @@
 mod atomic;
 mod decimals;
 pub mod formats;
+mod keyframes;
+mod locations;
 mod map_file;
 mod map_file_in;
 mod polylines;
@@ -17,6 +19,8 @@ mod trajectory_in;
 
 pub use atomic::{AtomicFile, OutputError, prepare_folder};
 pub(crate) use formats::{ENGINEERING_2D, FRAME_ID, POLYLINE_ID, UNIT_ATTRIBUTE, XDATA_APPLICATION};
+pub use keyframes::{KeyframeFile, KeyframeFileError, read_keyframes, write_keyframes};
+pub use locations::{LocatedPose, LocationFormat, LocationRow};
 pub use map_file::{MAP_FORMAT, MAP_VERSION, MapFile, write_map};
 pub(crate) use map_file_in::{FARTHEST_M, map_from_json};
 pub use map_file_in::{MapFileError, read_map};

@@ -59,7 +59,7 @@ impl Source {
 
 /// Map and poses in the folder of a build, which has no record.
 fn finished(folder: &Path) -> anyhow::Result<Finished> {
-    let MapFile { map, partial } = read_map(&folder.join(MAP))?;
+    let MapFile { map, partial, .. } = read_map(&folder.join(MAP))?;
     let trajectory = folder.join(TRAJECTORY);
     let (rows, missing) = if trajectory.exists() {
         let missing = format!(
