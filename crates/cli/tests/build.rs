@@ -118,7 +118,7 @@ fn without_a_replay_nothing_else_is_missing() {
     ]);
     assert!(folder.path().join("report.html").exists());
     assert!(!folder.path().join("replay.jsonl.gz").exists());
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 7);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 8);
 }
 
 /// The line with 9 in its six pose fields, which stand 14 to 9 fields before the end.
