@@ -144,11 +144,14 @@ impl SideGrid {
             return;
         };
         let ids = std::mem::take(ids);
+        // Sides of some centimetres come a dozen to a cell, one after the other: the cell is gone through once for all.
+        let mut emptied = None;
         for &id in &ids {
-            let segment = self.sides[id as usize].segment;
-            for_each_cell(segment, |cell| {
-                if let Some(list) = self.cells.get_mut(&cell) {
-                    list.retain(|&s| s != id);
+            for_each_cell(self.sides[id as usize].segment, |cell| {
+                if emptied.replace(cell) != Some(cell)
+                    && let Some(list) = self.cells.get_mut(&cell)
+                {
+                    list.retain(|&s| self.sides[s as usize].owner != owner);
                 }
             });
         }
