@@ -4,7 +4,7 @@
 //! Nodes are keyframe poses xᵢ, edges measured motions zᵢⱼ with information Ωᵢⱼ. The residual of an edge is
 //! e = (Rᵢᵀ(tⱼ − tᵢ) − z_t, θⱼ − θᵢ − z_θ), in the frame of node i. Σ ρ(eᵀΩe) is minimised by Gauss–Newton steps with
 //! Levenberg's damping; ρ is Cauchy's log(1 + ·) on loop edges, so that a false one loses its pull, and the square on
-//! the others. The normal equations are solved by block elimination in order of least degree ([`sparse`]).
+//! the others. The scale of ρ shrinks from wide to 1 (graduated non-convexity). The normal equations are solved by block elimination in order of least degree ([`sparse`]).
 
 mod sparse;
 
@@ -36,11 +36,16 @@ impl Edge {
         ]
     }
 
-    /// Cost, and the weight that Cauchy's ρ leaves the edge.
-    fn cost(&self, poses: &[Pose]) -> (f64, f64) {
-        let square = self.information.quadratic(self.residual(poses));
+    /// Squared residual in standard deviations.
+    fn square(&self, poses: &[Pose]) -> f64 {
+        self.information.quadratic(self.residual(poses))
+    }
+
+    /// Cost, and the weight that Cauchy's ρ of scale `scale` (a squared residual) leaves the edge.
+    fn cost(&self, poses: &[Pose], scale: f64) -> (f64, f64) {
+        let square = self.square(poses);
         if self.is_loop {
-            (square.ln_1p(), 1.0 / (1.0 + square))
+            (scale * (square / scale).ln_1p(), 1.0 / (1.0 + square / scale))
         } else {
             (square, 1.0)
         }
@@ -56,17 +61,41 @@ impl Edge {
     }
 }
 
-/// Steps at most; a graph that starts near its minimum takes three to eight.
+/// Steps at most at one scale; a graph that starts near its minimum takes three to eight.
 const MOST_STEPS: usize = 30;
+/// The widest scale of ρ: 30 standard deviations. Begun where no edge at all is an outlier, false closures bend the
+/// graph so far that the right ones do not bring it back (infinite corridor: 0.64 m instead of 0.09 m).
+const WIDEST: f64 = 1000.0;
+/// From one scale of ρ to the next.
+const SHRINK: f64 = 0.1;
 
 /// Moves all poses but the first so that they agree best with the edges. Returns the cost before and after.
+///
+/// The scale of ρ begins wide and shrinks to 1 (graduated non-convexity, Yang et al. 2020). Cauchy's ρ alone leaves an edge that
+/// begins 30 standard deviations off a weight of 1/1000: a right closure of half a metre at the end of a long corridor
+/// would not pull (raw aces, closed loops: 0.107 m without, 0.054 m with).
 pub(crate) fn optimise(poses: &mut [Pose], edges: &[Edge]) -> (f64, f64) {
-    let total = |poses: &[Pose]| edges.iter().map(|e| e.cost(poses).0).sum::<f64>();
+    let total = |poses: &[Pose]| edges.iter().map(|e| e.cost(poses, 1.0).0).sum::<f64>();
     let before = total(poses);
-    let mut cost = before;
+    let loops = edges.iter().filter(|e| e.is_loop);
+    let mut scale = loops.map(|e| e.square(poses)).fold(1.0, f64::max).min(WIDEST);
+    loop {
+        descend(poses, edges, scale);
+        if scale <= 1.0 {
+            break;
+        }
+        scale = (scale * SHRINK).max(1.0);
+    }
+    (before, total(poses))
+}
+
+/// Gauss–Newton steps with Levenberg's damping at one scale of ρ.
+fn descend(poses: &mut [Pose], edges: &[Edge], scale: f64) {
+    let total = |poses: &[Pose]| edges.iter().map(|e| e.cost(poses, scale).0).sum::<f64>();
+    let mut cost = total(poses);
     let mut damping = 1e-6;
     for _ in 0..MOST_STEPS {
-        let Some(steps) = linearise(poses, edges, damping).solve() else {
+        let Some(steps) = linearise(poses, edges, scale, damping).solve() else {
             break;
         };
         let mut moved = poses.to_vec();
@@ -90,14 +119,13 @@ pub(crate) fn optimise(poses: &mut [Pose], edges: &[Edge]) -> (f64, f64) {
             break;
         }
     }
-    (before, cost)
 }
 
-fn linearise(poses: &[Pose], edges: &[Edge], damping: f64) -> System {
+fn linearise(poses: &[Pose], edges: &[Edge], scale: f64, damping: f64) -> System {
     let mut system = System::new(poses.len());
     for edge in edges {
         let residual = edge.residual(poses);
-        let (_, weight) = edge.cost(poses);
+        let (_, weight) = edge.cost(poses, scale);
         let (from, to) = edge.jacobians(poses);
         system.add(
             edge.from,
@@ -185,6 +213,62 @@ mod tests {
             .map(|(p, t)| p.distance(*t))
             .fold(0.0, f64::max);
         assert!(worst < 0.2, "{worst}");
+    }
+
+    /// Ten rounds of a corridor round a block, 40 m each, tied to the round before at every corner but with drift.
+    fn rounds(false_share: f64) -> f64 {
+        let ahead = Pose::new(1.0, 0.0, 0.0);
+        let turn = Pose::new(1.0, 0.0, std::f64::consts::FRAC_PI_2);
+        let (mut truth, mut poses, mut edges) = (vec![Pose::IDENTITY], vec![Pose::IDENTITY], Vec::new());
+        for k in 0..400 {
+            let motion = if k % 10 == 9 { turn } else { ahead };
+            let wobble = (k as f64 * 0.7).sin();
+            let measured = Pose::new(
+                motion.x * 1.005,
+                0.01 * wobble,
+                motion.theta_rad + 0.002 * (1.0 + wobble),
+            );
+            truth.push(truth[k] * motion);
+            poses.push(poses[k] * measured);
+            edges.push(Edge {
+                from: k,
+                to: k + 1,
+                motion: measured,
+                information: Information::from_sigmas(0.02, 0.02, 0.005),
+                is_loop: false,
+            });
+        }
+        let closure = |from: usize, to: usize, motion: Pose| Edge {
+            from,
+            to,
+            motion,
+            information: Information::from_sigmas(0.02, 0.02, 0.005),
+            is_loop: true,
+        };
+        let right: Vec<Edge> = (50..400)
+            .step_by(10)
+            .map(|k| closure(k - 40, k, truth[k - 40].inverse() * truth[k]))
+            .collect();
+        let wrong = (right.len() as f64 * false_share).round() as usize;
+        edges.extend((0..wrong).map(|k| {
+            // Two corners of the block taken for one another.
+            let (from, to) = (10 + 70 * k, 320 - 30 * k);
+            closure(from, to, Pose::new(0.1 * k as f64, 0.0, 0.0))
+        }));
+        edges.extend(right);
+        optimise(&mut poses, &edges);
+        let off = poses.iter().zip(&truth).map(|(p, t)| p.distance(*t));
+        off.sum::<f64>() / truth.len() as f64
+    }
+
+    #[test]
+    fn one_false_closure_in_ten_changes_the_result_by_less_than_two_per_cent() {
+        let (without, with) = (rounds(0.0), rounds(0.1));
+        assert!(without < 0.3, "{without}");
+        assert!(
+            (with / without - 1.0).abs() < 0.02,
+            "{with} m instead of {without} m"
+        );
     }
 
     #[test]
