@@ -28,6 +28,7 @@
 //! ```
 
 pub(crate) mod atlas;
+mod left;
 mod settings;
 mod step;
 mod track;

@@ -8,11 +8,11 @@
 //! taken up again. Nothing is merged just to keep going.
 
 use super::atlas::Atlas;
+use super::left::Left;
 use super::{NotPlaced, Outcome, Settings, Step};
-use crate::geometry::{Pose, wrap_rad};
+use crate::geometry::Pose;
 use crate::join::SavedMap;
 use crate::keyframe::Seen;
-use crate::loops::{Lookup, find_in};
 use crate::map::Map;
 use crate::place::{Answer, Motion, Placement, Question, place};
 
@@ -28,30 +28,6 @@ pub(super) struct Track {
     held: Vec<Held>,
     /// What its placements have gathered since another track branched off.
     pub merit: f64,
-}
-
-/// A map that was left, and the motion when it was.
-#[derive(Clone)]
-struct Left {
-    motion: Motion,
-    atlas: Atlas,
-    /// Scans since.
-    scans: u32,
-    /// The keyframe where it is looked for next.
-    cursor: usize,
-    /// Pose of the present map in this one, by a place that waits for another to agree.
-    waiting: Option<Pose>,
-}
-
-impl Left {
-    /// Whether the place before put the scanner, now at `new_from_scan` in the present map, at the same pose.
-    fn is_confirmed(&mut self, old_from_new: Pose, new_from_scan: Pose) -> bool {
-        let before = self.waiting.replace(old_from_new);
-        before.is_some_and(|before| {
-            let (a, b) = (before * new_from_scan, old_from_new * new_from_scan);
-            a.distance(b) < AGREE_M && wrap_rad(a.theta_rad - b.theta_rad).abs() < AGREE_RAD
-        })
-    }
 }
 
 /// How a scan is held: by a keyframe, with which it moves when loops are closed, or not at all.
@@ -75,24 +51,6 @@ pub(super) enum Way {
     /// In a map of its own.
     Apart,
 }
-
-/// A map is looked for where it was left over so many keyframes, then elsewhere.
-const LOOK_WHERE_LEFT: usize = 8;
-/// How far from the place where it was left it may be, metres, and how much farther for every scan since.
-const LEFT_WINDOW_M: f64 = 1.5;
-const LEFT_WINDOW_PER_SCAN_M: f64 = 0.5;
-/// Half the window around other places, metres.
-const OTHER_WINDOW_M: f64 = 4.0;
-/// Way that is compared there, metres: a few metres of corridor look like those of any other, and a map joined at the wrong
-/// place is worse than one kept apart.
-const OTHER_STRETCH_M: f64 = 8.0;
-/// Two places in a row agree when they put the scanner less far apart than this, metres and radians.
-const AGREE_M: f64 = 0.5;
-const AGREE_RAD: f64 = 0.1;
-/// A smaller map is not looked for.
-const LEAST_KEYFRAMES: usize = 3;
-/// Keyframes between two places that are looked at.
-const CURSOR_STEP: usize = 3;
 
 impl Track {
     /// Finds the next scan's place in the map so far.
@@ -174,13 +132,8 @@ impl Track {
         };
         let expected = motion.predicted().map_from_scan;
         let id = 1 + self.left.iter().map(|l| l.atlas.id).fold(self.atlas.id, u32::max);
-        self.left.push(Left {
-            motion: motion.clone(),
-            atlas: std::mem::replace(&mut self.atlas, Atlas::numbered(id)),
-            scans: 1,
-            cursor: 0,
-            waiting: None,
-        });
+        let atlas = std::mem::replace(&mut self.atlas, Atlas::numbered(id));
+        self.left.push(Left::now(motion.clone(), atlas));
         motion.lost_scans += 1;
         expected
     }
@@ -224,54 +177,11 @@ impl Track {
 
     /// Looks for the present map in one that was left. Returns whether it was found and taken in.
     fn join(&mut self, k: usize, step: &mut Step, settings: &Settings) -> bool {
-        let new = self.atlas.keyframes();
         let left = &mut self.left[k];
-        let old = left.atlas.keyframes();
-        let (Some(newest), Some(tip)) = (new.len().checked_sub(1), old.len().checked_sub(1)) else {
+        let Some(edge) = left.find(self.atlas.keyframes(), settings) else {
             return false;
         };
-        if newest == 0 || old.len() < LEAST_KEYFRAMES {
-            return false;
-        }
-        let is_where_left = newest <= LOOK_WHERE_LEFT;
-        let lookup = if is_where_left {
-            Lookup {
-                old,
-                at: tip,
-                new,
-                anchor: 0,
-                centre: left.motion.predicted().map_from_scan,
-                window_m: LEFT_WINDOW_M + LEFT_WINDOW_PER_SCAN_M * f64::from(left.scans).min(8.0),
-                stretch_m: settings.recognise.stretch_m,
-            }
-        } else {
-            // No farther than the map that was left goes.
-            let stretch_m = OTHER_STRETCH_M.min(old[tip].way_m);
-            if new[newest].way_m < stretch_m {
-                return false;
-            }
-            let at = tip - left.cursor;
-            Lookup {
-                old,
-                at,
-                new,
-                anchor: newest,
-                centre: old[at].map_from_scan,
-                window_m: OTHER_WINDOW_M,
-                stretch_m,
-            }
-        };
-        let edge = find_in(&lookup, &settings.align, &settings.recognise);
-        let Some(edge) = edge else {
-            left.cursor = (left.cursor + CURSOR_STEP) % old.len();
-            return false;
-        };
-        let old_from_new = old[edge.from].map_from_scan * edge.motion * new[edge.to].map_from_scan.inverse();
-        let recognised = old[edge.from].number;
-        if !is_where_left && !left.is_confirmed(old_from_new, new[edge.to].map_from_scan) {
-            return false;
-        }
-        step.recognised = Some(recognised);
+        step.recognised = Some(left.atlas.keyframes()[edge.from].number);
         let left = self.left.remove(k);
         let new = std::mem::replace(&mut self.atlas, left.atlas);
         let new_id = new.id;

@@ -4,8 +4,8 @@
 //! scan, or none.
 //!
 //! 1. The predicted pose is aligned. Full-rate scans move a few centimetres, and this settles nearly all of them.
-//! 2. When the scan disagrees with it (a standstill after motion, somebody walking along), standing still and a
-//!    wider guess are tried.
+//! 2. When the scan disagrees with it (a standstill after motion, somebody walking along), standing still, a wider
+//!    guess, and steps made before are tried.
 //! 3. The paper's way (sections 2 and 3.3): the polylines are matched by shape with the virtual scan, and every pose that
 //!    the correspondences induce is aligned.
 //! 4. If none of these stands out, all poses in a window around are searched (`search`).
@@ -16,19 +16,17 @@
 pub(crate) mod judge;
 mod motion;
 pub(crate) mod search;
+mod stage;
 mod virtual_scan;
 
-use std::cell::OnceCell;
-
-use crate::align::{AlignSettings, Alignment, Guess, SidePoint, align_to_grid};
+use crate::align::{AlignSettings, Alignment, Guess, SidePoint};
 use crate::extract::ScanPolyline;
-use crate::geometry::{Point, Polyline, SideGrid, wrap_rad};
-use crate::matching::{Matching, PoseGaussian, match_polylines, unmoved};
+use crate::geometry::{Point, Polyline};
+use crate::matching::{Matching, match_polylines};
 use crate::merge::growing_map::GrowingMap;
 pub use judge::Agreement;
-use judge::judge;
 pub(crate) use motion::Motion;
-use search::{Field, Window, search};
+use stage::Stage;
 use virtual_scan::virtual_scan;
 
 /// A pose and what speaks for it.
@@ -55,9 +53,9 @@ pub struct PlaceSettings {
     pub least_known: f64,
     /// The same for a pose elsewhere,
     pub far_fit: f64,
-    /// see `least_known`,
+    /// see `least_known`.
     pub far_known: f64,
-    /// and by how much it must lead the next best one.
+    /// By how much a pose in a map that was left must lead the next best one there.
     pub far_lead: f64,
     /// A pose that leads the next best, different one by so much needs no further search.
     pub clear_lead: f64,
@@ -136,15 +134,7 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
     let Question {
         points, map, motion, ..
     } = question;
-    let mut stage = Stage {
-        points,
-        map: &map.skeleton,
-        motion,
-        peak: OnceCell::new(),
-        align,
-        settings,
-        found: Vec::new(),
-    };
+    let mut stage = Stage::new(points, &map.skeleton, motion, align, settings);
     if let Some(p) = stage.aligned(&motion.predicted()) {
         if stage.is_unsurprising(&p) {
             return Answer::settled(p);
@@ -183,14 +173,14 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
         believed,
         matching: Some(matching),
         virtual_scan: Some(reference),
-        hypotheses: stage.found,
+        hypotheses: stage.into_found(),
     }
 }
 
 /// The paper's way (section 3.3): the scan's polylines are matched by shape with the virtual scan, and every alignment
 /// that the correspondences induce is a candidate.
 fn match_by_shape(polylines: &[ScanPolyline], reference: &[Polyline], stage: &mut Stage) -> Matching {
-    let map_from_last = stage.motion.map_from_scan;
+    let map_from_last = stage.motion().map_from_scan;
     let scan: Vec<Polyline> = polylines.iter().map(|p| p.polyline.clone()).collect();
     let matching = match_polylines(&scan, reference, &stage.estimate());
     for h in &matching.hypotheses {
@@ -201,186 +191,6 @@ fn match_by_shape(polylines: &[ScanPolyline], reference: &[Polyline], stage: &mu
         });
     }
     matching
-}
-
-/// A guess nearer than this to a pose that was found leads there, metres and radians.
-const SAME_GUESS_M: f64 = 0.05;
-const SAME_GUESS_RAD: f64 = 0.02;
-
-struct Stage<'a> {
-    points: &'a [SidePoint],
-    map: &'a SideGrid,
-    motion: &'a Motion,
-    /// [`Motion::peak`], computed once.
-    peak: OnceCell<f64>,
-    align: &'a AlignSettings,
-    settings: &'a PlaceSettings,
-    /// What was found so far.
-    found: Vec<Placement>,
-}
-
-impl Stage<'_> {
-    /// Aligns from a guess and judges the result. The guess is its own prior: along a corridor the scan stays where
-    /// it was guessed to be, instead of sliding to where the noise of the walls would have it.
-    fn aligned(&self, guess: &Guess) -> Option<Placement> {
-        let prior = guess.prior();
-        let alignment = align_to_grid(
-            self.points,
-            self.map,
-            |_, _| true,
-            guess,
-            Some(&prior),
-            self.align,
-        )?;
-        let agreement = judge(
-            self.points,
-            self.map,
-            alignment.map_from_scan,
-            self.settings.gate_m,
-        );
-        Some(Placement {
-            alignment,
-            agreement,
-            merit: agreement.score(),
-            lead: None,
-        })
-    }
-
-    /// Aligns from a guess and adds the result, unless the guess leads where another has led already.
-    fn try_guess(&mut self, guess: &Guess) {
-        let is_known = |p: &Placement| {
-            let pose = p.alignment.map_from_scan;
-            pose.distance(guess.map_from_scan) < SAME_GUESS_M
-                && wrap_rad(pose.theta_rad - guess.map_from_scan.theta_rad).abs() < SAME_GUESS_RAD
-        };
-        if !self.found.iter().any(is_known)
-            && let Some(placement) = self.aligned(guess)
-        {
-            self.take(placement);
-        }
-    }
-
-    /// Adds a pose; what the motion so far makes unlikely counts against it.
-    fn take(&mut self, placement: Placement) {
-        let merit = placement.merit - self.unlikely(&placement.alignment);
-        self.found.push(Placement { merit, ..placement });
-    }
-
-    /// What a pose far from the predicted one loses: a weak prior of going on as before, at most 0.15. Along a
-    /// direction that the walls leave open, the motion is all there is to go by.
-    fn unlikely(&self, alignment: &Alignment) -> f64 {
-        let peak = *self.peak.get_or_init(|| self.motion.peak());
-        -self.settings.merit_per_nat * self.motion.log_likelihood(alignment.map_from_scan, peak)
-    }
-
-    fn is_unsurprising(&self, p: &Placement) -> bool {
-        let predicted = self.motion.predicted();
-        let off_m = p.alignment.map_from_scan.distance(predicted.map_from_scan);
-        let off_rad = wrap_rad(p.alignment.map_from_scan.theta_rad - predicted.map_from_scan.theta_rad).abs();
-        self.motion.lost_scans == 0
-            && self.motion.is_smooth()
-            && p.agreement.fit() >= self.settings.good_fit
-            && p.agreement.known_share() >= 0.5
-            && p.alignment.matched_share() >= 0.5
-            && off_m <= 2.0 * predicted.sigma_m
-            && off_rad <= 2.0 * predicted.sigma_rad
-    }
-
-    /// How far from the predicted place a scanner can be that has moved as before, metres: ten times as far as
-    /// usual. While scans cannot be placed it may wander off.
-    fn reach_m(&self) -> f64 {
-        self.usual_reach_m() + (0.5 * f64::from(self.motion.lost_scans)).min(6.0)
-    }
-
-    fn usual_reach_m(&self) -> f64 {
-        let usual_m = 0.5 + 10.0 * self.motion.usual.shift_m;
-        usual_m.min(self.settings.window_m) + self.motion.step.translation().norm()
-    }
-
-    fn is_good(&self, p: &Placement) -> bool {
-        p.agreement.fit() >= self.settings.good_fit && p.agreement.known_share() >= 0.5
-    }
-
-    /// Whether a pose is believed: where the scanner was expected, on fair evidence; elsewhere only on good evidence and
-    /// when nothing else comes near. After a gap everything is elsewhere, and a corridor looks like every other.
-    fn is_believed(&self, p: &Placement) -> bool {
-        let settings = self.settings;
-        let predicted = self.motion.predicted().map_from_scan;
-        let off_m = predicted.distance(p.alignment.map_from_scan);
-        let off_rad = wrap_rad(predicted.theta_rad - p.alignment.map_from_scan.theta_rad).abs();
-        let (fit, known) = (p.agreement.fit(), p.agreement.known_share());
-        if off_m < self.usual_reach_m() && off_rad < 0.2 + 3.0 * self.motion.usual.turn_rad {
-            return fit >= settings.least_fit && known >= settings.least_known;
-        }
-        fit >= settings.far_fit && known >= settings.far_known && p.alignment.matched_share() >= 0.5
-    }
-
-    /// What is believed and differs from what is better, best first.
-    fn believed(&self) -> Vec<Placement> {
-        let mut out: Vec<Placement> = Vec::new();
-        for p in &self.found {
-            let pose = p.alignment.map_from_scan;
-            let differs = |other: &Placement| {
-                let other = other.alignment.map_from_scan;
-                other.distance(pose) > 0.25 || wrap_rad(other.theta_rad - pose.theta_rad).abs() > 0.07
-            };
-            if self.is_believed(p) && out.iter().all(differs) {
-                out.push(*p);
-            }
-        }
-        out
-    }
-
-    /// The motion so far, as an estimate for matching in the frame of the last pose; wide, because matching is asked
-    /// when the prediction has failed.
-    fn estimate(&self) -> PoseGaussian {
-        let wider = 1.0 + 0.5 * f64::from(self.motion.lost_scans.min(10));
-        PoseGaussian {
-            mean: self.motion.expected_step(),
-            information: unmoved().information.scaled(1.0 / (wider * wider)),
-        }
-    }
-
-    /// Sorts what was found, best first, and says how far the best leads.
-    fn best(&mut self) -> Option<Placement> {
-        let all = &mut self.found;
-        all.sort_by(|a, b| b.merit.total_cmp(&a.merit));
-        let winner = all.first().copied()?;
-        let pose = winner.alignment.map_from_scan;
-        let second = all.iter().find(|p| {
-            let other = p.alignment.map_from_scan;
-            other.distance(pose) > 0.5 || wrap_rad(other.theta_rad - pose.theta_rad).abs() > 0.17
-        });
-        Some(Placement {
-            lead: second.map(|s| winner.merit - s.merit),
-            ..winner
-        })
-    }
-
-    /// Candidates from the search of all poses in a window.
-    fn search(&mut self) {
-        let predicted = self.motion.predicted().map_from_scan;
-        let lost = f64::from(self.motion.lost_scans);
-        let window = Window {
-            centre: predicted,
-            half_m: self.reach_m(),
-            half_rad: self.settings.window_rad + (0.1 * lost).min(1.4),
-            wanted: self.settings.candidates,
-            min_score: 0.25,
-        };
-        let reach_m = self.points.iter().map(|p| p.point.norm()).fold(0.0, f64::max) + window.half_m + 1.0;
-        let sides = self.map.sides().map(|s| s.segment);
-        let Some(field) = Field::new(sides, predicted.translation(), reach_m) else {
-            return;
-        };
-        for c in search(&field, &thinned(self.points), &window) {
-            self.try_guess(&Guess {
-                map_from_scan: c.map_from_scan,
-                sigma_m: 0.07,
-                sigma_rad: 0.02,
-            });
-        }
-    }
 }
 
 /// Distance between points of a scan that are searched with, metres.
