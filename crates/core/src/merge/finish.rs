@@ -4,7 +4,7 @@
 //! taken out, with the evidence of the whole log instead of the past alone; polylines that lie on others are merged
 //! into them; each is divided into sides anew and its sides fitted.
 
-use super::growing_map::{GrowingMap, GrowingPolyline, SIDE_PENALTY};
+use super::growing_map::{GrowingMap, GrowingPolyline, SIDE_PENALTY, Vertex};
 use super::overlap::merge_overlaps;
 use super::{MergeSettings, merge_all, sight};
 use crate::extract::simplify_chain;
@@ -21,6 +21,7 @@ pub(crate) fn finish(keyframes: &[Keyframe], eraser_boxes: Vec<EraserBox>, setti
         sight::look(&mut map, &keyframe.scan, keyframe.map_from_scan, k, settings);
     }
     sight::clear_all(&mut map, settings);
+    cut_gaps(&mut map);
     merge_overlaps(&mut map, settings);
     let mut out = Map {
         polylines: Vec::new(),
@@ -29,6 +30,25 @@ pub(crate) fn finish(keyframes: &[Keyframe], eraser_boxes: Vec<EraserBox>, setti
     out.polylines
         .extend(map.polylines().map(|(_, p)| finished(p, settings)));
     out
+}
+
+/// Vertices of the growing map are some centimetres apart, on far walls seen at a grazing angle up to a metre. A side longer than
+/// this was joined over what nobody saw; where nobody could look through it, no beam takes it out.
+const WIDEST_GAP_M: f64 = 1.5;
+
+/// Cuts polylines where no return lies between two vertices.
+fn cut_gaps(map: &mut GrowingMap) {
+    let slots: Vec<u32> = map.polylines().map(|(slot, _)| slot).collect();
+    for slot in slots {
+        let is_close = |a: &Vertex, b: &Vertex| a.point.distance(b.point) <= WIDEST_GAP_M;
+        let Some(polyline) = map.polyline(slot) else {
+            continue;
+        };
+        let pieces: Vec<Vec<Vertex>> = polyline.vertices.chunk_by(is_close).map(<[_]>::to_vec).collect();
+        if pieces.len() > 1 {
+            map.replace_by(slot, pieces.into_iter().filter(|piece| piece.len() > 1));
+        }
+    }
 }
 
 /// A polyline with as few vertices as the noise supports, walls fitted by least squares.
@@ -54,5 +74,25 @@ fn finished(polyline: &GrowingPolyline, settings: &MergeSettings) -> MapPolyline
     MapPolyline {
         id: polyline.id,
         vertices,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_walls_that_were_joined_over_what_nobody_saw_are_cut_apart() {
+        let near = (0..30).map(|k| Vertex::new(Point::new(0.04 * f64::from(k), 0.0)));
+        let far = (0..30).map(|k| Vertex::new(Point::new(7.0 + 0.04 * f64::from(k), -11.0)));
+        let mut map = GrowingMap::default();
+        map.add(near.chain(far).collect());
+        cut_gaps(&mut map);
+        let spans_m: Vec<f64> = map.polylines().map(|(_, p)| p.span_m()).collect();
+        assert_eq!(spans_m.len(), 2);
+        assert!(
+            spans_m.iter().all(|span_m| (span_m - 1.16).abs() < 1e-9),
+            "{spans_m:?}"
+        );
     }
 }

@@ -138,6 +138,17 @@ impl GrowingMap {
         Some(slot)
     }
 
+    /// Puts pieces in the place of a polyline: the first keeps its slot and id.
+    pub fn replace_by(&mut self, slot: u32, mut pieces: impl Iterator<Item = Vec<Vertex>>) {
+        match pieces.next() {
+            Some(first) => self.replace(slot, first),
+            None => self.remove(slot),
+        }
+        for piece in pieces {
+            self.add(piece);
+        }
+    }
+
     /// Gives the polyline of a slot new vertices; fewer than two take it out.
     pub fn replace(&mut self, slot: u32, vertices: Vec<Vertex>) {
         let Some(id) = self.polyline(slot).map(|p| p.id) else {

@@ -207,13 +207,7 @@ fn take_out(map: &mut GrowingMap, slot: u32, is_gone: impl Fn(&Evidence) -> bool
         let span_m = piece[0].point.distance(piece[piece.len() - 1].point);
         piece.len() >= 2 && !(mostly_gone && span_m < STUB_M)
     };
-    let mut pieces = vertices.split_inclusive(|v| is_gone(&v.onward)).filter(is_left);
-    match pieces.next() {
-        Some(first) => map.replace(slot, first.to_vec()),
-        None => map.remove(slot),
-    }
-    for piece in pieces {
-        map.add(piece.to_vec());
-    }
+    let pieces = vertices.split_inclusive(|v| is_gone(&v.onward)).filter(is_left);
+    map.replace_by(slot, pieces.map(<[_]>::to_vec));
     gone
 }
