@@ -5,6 +5,7 @@
 //! map coordinates.
 
 mod angle;
+mod cells;
 mod point;
 mod polyline;
 mod pose;

@@ -185,7 +185,14 @@ impl Locator {
         let found = search(field, &searched, &wanted);
         let fixes = found
             .iter()
-            .filter_map(|c| self.fix(points, &pieces, c.map_from_scan))
+            .filter_map(|c| {
+                let guess = Guess {
+                    map_from_scan: c.map_from_scan,
+                    sigma_m: 0.07,
+                    sigma_rad: 0.02,
+                };
+                self.fix(points, &pieces, &guess)
+            })
             .collect();
         self.judged(fixes, &pieces)
     }
@@ -197,34 +204,13 @@ impl Locator {
             sigma_m,
             sigma_rad: 0.05,
         };
-        let prior = guess.prior();
-        let alignment = align_to_grid(
-            points,
-            &self.sides,
-            |_, _| true,
-            &guess,
-            Some(&prior),
-            &self.align,
-        )?;
-        Some(self.fix_at(points, &Pieces::of(points), &alignment))
+        self.fix(points, &Pieces::of(points), &guess)
     }
 
     /// Aligns from `guess` and judges the result.
-    fn fix(&self, points: &[SidePoint], pieces: &Pieces, guess: Pose) -> Option<Fix> {
-        let guess = Guess {
-            map_from_scan: guess,
-            sigma_m: 0.07,
-            sigma_rad: 0.02,
-        };
+    fn fix(&self, points: &[SidePoint], pieces: &Pieces, guess: &Guess) -> Option<Fix> {
         let prior = guess.prior();
-        let alignment = align_to_grid(
-            points,
-            &self.sides,
-            |_, _| true,
-            &guess,
-            Some(&prior),
-            &self.align,
-        )?;
+        let alignment = align_to_grid(points, &self.sides, |_, _| true, guess, Some(&prior), &self.align)?;
         Some(self.fix_at(points, pieces, &alignment))
     }
 

@@ -102,20 +102,8 @@ impl Atlas {
     /// Takes in another map, tied to this one by `edge` (from a keyframe of this map to one of the other). Returns the
     /// other's pose in this one's frame, and the number that its first keyframe gets.
     pub fn absorb(&mut self, other: Self, edge: Edge, settings: &Settings) -> (Pose, usize) {
-        let offset = self.keyframes.len();
         let here_from_other = self.pose(edge.from) * edge.motion * other.pose(edge.to).inverse();
-        let before_m = self.keyframes.last().map_or(0.0, |k| k.way_m);
-        self.keyframes
-            .extend(other.keyframes.into_iter().map(|k| Keyframe {
-                map_from_scan: here_from_other * k.map_from_scan,
-                way_m: before_m + k.way_m,
-                ..k
-            }));
-        self.edges.extend(other.edges.into_iter().map(|e| Edge {
-            from: e.from + offset,
-            to: e.to + offset,
-            ..e
-        }));
+        let offset = self.append(other, here_from_other, 0);
         self.edges.push(Edge {
             to: edge.to + offset,
             information: loosened(&edge.information),

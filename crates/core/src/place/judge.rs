@@ -160,4 +160,21 @@ mod tests {
         );
         assert_eq!(away.unknown, 1);
     }
+
+    #[test]
+    fn a_beam_through_one_wall_that_ends_on_another_loses_a_quarter() {
+        let mut grid = grid();
+        let before = looking_ahead(3.0).score();
+        grid.insert(1, [Point::new(1.0, -1.0), Point::new(1.0, 1.0)]);
+        let point = SidePoint {
+            point: Point::new(3.0, 0.0),
+            direction: Point::new(0.0, 1.0),
+            sigma_m: 0.01,
+            worth: 1.0,
+            polyline: 0,
+        };
+        let both = judge(&[point], &grid, Pose::IDENTITY, 0.1);
+        assert_eq!((both.on_map, both.through, both.on_map_through), (1, 1, 1));
+        assert!((before - 1.0).abs() < 1e-12 && (both.score() - 0.75).abs() < 1e-12);
+    }
 }

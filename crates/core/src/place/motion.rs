@@ -317,6 +317,26 @@ mod tests {
     }
 
     #[test]
+    fn along_a_corridor_the_speed_goes_on_as_it_was_before() {
+        let drive = |walls: Information| {
+            let mut motion = Motion::starting_at(Pose::IDENTITY);
+            let room = Information::from_sigmas(0.005, 0.005, 0.002);
+            for _ in 0..20 {
+                motion.advance(motion.map_from_scan * Pose::new(0.10, 0.0, 0.0), Some(&room));
+            }
+            // Something that walks along makes the steps look shorter.
+            for _ in 0..3 {
+                motion.advance(motion.map_from_scan * Pose::new(0.05, 0.0, 0.0), Some(&walls));
+            }
+            motion.step.x
+        };
+        let corridor = drive(Information::from_sigmas(0.3, 0.005, 0.002));
+        assert!(corridor > 0.09, "{corridor} m a step");
+        let room = drive(Information::from_sigmas(0.005, 0.005, 0.002));
+        assert!((room - 0.05).abs() < 0.01, "{room} m a step where the walls tell");
+    }
+
+    #[test]
     fn odometry_outranks_the_speed_so_far() {
         let driven = Pose::new(0.5, 0.0, 1.0);
         let motion = Motion {

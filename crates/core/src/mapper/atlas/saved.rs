@@ -50,8 +50,8 @@ impl Atlas {
     }
 
     /// Puts another map's keyframes and edges after those of this one, moved by `here_from_other`; their scans count from
-    /// `scans_before` on.
-    pub fn append(&mut self, other: Self, here_from_other: Pose, scans_before: usize) {
+    /// `scans_before` on. Returns the number that the first of its keyframes gets.
+    pub fn append(&mut self, other: Self, here_from_other: Pose, scans_before: usize) -> usize {
         let offset = self.keyframes.len();
         let before_m = self.keyframes.last().map_or(0.0, |k| k.way_m);
         self.keyframes
@@ -66,6 +66,7 @@ impl Atlas {
             to: e.to + offset,
             ..e
         }));
+        offset
     }
 }
 
