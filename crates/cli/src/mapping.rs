@@ -21,7 +21,7 @@ pub trait Mapping {
 
     /// The map, and what became of every scan that was added, in their order. `partial` says why the log was not read
     /// to its end.
-    fn finish(self, partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished>;
+    fn finish(mut self, partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished>;
 
     /// Every setting with its value, for the report.
     fn settings(&self) -> Value;
@@ -73,8 +73,9 @@ impl Mapping for CoreMapping {
         self.record.skip(bad)
     }
 
-    fn finish(self, partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished> {
+    fn finish(mut self, partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished> {
         clock.enter(Stage::Finish.name());
+        self.mapper.settle();
         let map = self.mapper.map();
         let outcomes = self.mapper.outcomes();
         clock.enter("record");

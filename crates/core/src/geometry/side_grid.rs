@@ -83,6 +83,11 @@ impl SideGrid {
         &self.sides[side as usize]
     }
 
+    /// All sides ever taken in, by number; some may have been taken out since.
+    pub fn numbered(&self) -> &[Side] {
+        &self.sides
+    }
+
     /// Every side in the grid, by polyline.
     pub fn sides(&self) -> impl Iterator<Item = &Side> + Clone + '_ {
         self.of_owner.iter().flatten().map(|&id| &self.sides[id as usize])

@@ -6,6 +6,7 @@
 //! drift has gathered. The map of all keyframes is made when it is asked for.
 
 mod saved;
+mod settle;
 
 use super::{Settings, Step};
 use std::sync::Arc;
@@ -314,7 +315,8 @@ impl Atlas {
         })
     }
 
-    fn optimise(&mut self) {
+    /// Moves the keyframes so that they agree with all edges.
+    pub fn optimise(&mut self) {
         let mut poses: Vec<Pose> = self.keyframes.iter().map(|k| k.map_from_scan).collect();
         optimise(&mut poses, &self.edges);
         for (keyframe, pose) in self.keyframes.iter_mut().zip(poses) {

@@ -10,7 +10,7 @@ pub(crate) mod finish;
 pub(crate) mod growing_map;
 mod link;
 pub(crate) mod moving;
-mod overlap;
+pub(crate) mod overlap;
 mod sharp;
 mod sight;
 mod simulate;
