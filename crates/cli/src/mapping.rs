@@ -21,7 +21,7 @@ pub trait Mapping {
 
     /// The map, and what became of every scan that was added, in their order. `partial` says why the log was not read
     /// to its end.
-    fn finish(mut self, partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished>;
+    fn finish(self, partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished>;
 
     /// Every setting with its value, for the report.
     fn settings(&self) -> Value;

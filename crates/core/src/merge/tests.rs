@@ -2,7 +2,7 @@
 
 use super::growing_map::GrowingMap;
 use super::{MergeSettings, merge, merge_all};
-use crate::geometry::{Point, Pose};
+use crate::geometry::Pose;
 use crate::keyframe::Keyframe;
 use crate::keyframe::drawn::{Wall, keyframe};
 
