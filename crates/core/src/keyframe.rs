@@ -30,6 +30,8 @@ pub(crate) struct Keyframe {
     pub disordered_runs: Arc<[Vec<Point>]>,
     /// Way of the scanner up to here, metres.
     pub way_m: f64,
+    /// When it was placed, other places came near.
+    pub is_doubtful: bool,
     /// The scanner in the map.
     pub map_from_scan: Pose,
 }
@@ -82,6 +84,7 @@ pub(crate) mod drawn {
             disordered_runs: Arc::new([]),
             scan: Arc::new(scan),
             way_m: 0.0,
+            is_doubtful: false,
             map_from_scan,
         }
     }

@@ -6,9 +6,11 @@
 
 pub(crate) mod graph;
 mod recognise;
+mod second_look;
 mod ties;
 pub(crate) mod ways;
 
 pub use recognise::RecogniseSettings;
 pub(crate) use recognise::{Lookup, find_in, recognise, seen_around};
+pub(crate) use second_look::place_again;
 pub(crate) use ties::ties;

@@ -128,7 +128,7 @@ pub(crate) fn find_in(lookup: &Lookup, align: &AlignSettings, settings: &Recogni
 
 /// How far off the estimate of the newest keyframe may be, seen from an old one.
 #[derive(Clone, Copy)]
-struct Drift {
+pub(super) struct Drift {
     sigma_m: f64,
     sigma_rad: f64,
     window_m: f64,
@@ -137,7 +137,7 @@ struct Drift {
 
 impl Drift {
     /// Nothing is known but that the place is within `window_m`.
-    fn anywhere(window_m: f64) -> Self {
+    pub fn anywhere(window_m: f64) -> Self {
         Self {
             sigma_m: 1e3,
             sigma_rad: 1e3,
@@ -223,23 +223,28 @@ fn stretch(
     out
 }
 
-struct Matched {
-    map_from_scan: Pose,
-    information: crate::align::Information,
+pub(super) struct Matched {
+    pub map_from_scan: Pose,
+    pub information: crate::align::Information,
 }
 
 /// The walls seen around an old keyframe.
-struct Place {
+pub(super) struct Place {
     sides: SideGrid,
 }
 
 impl Place {
     fn around(keyframes: &[Keyframe], middle: usize, stretch_m: f64) -> Self {
+        let around = stretch(keyframes, middle, stretch_m, |_| true);
+        Self::of(around.into_iter().map(|k| &keyframes[k]))
+    }
+
+    /// What these keyframes saw, but for what moves.
+    pub fn of<'a>(keyframes: impl Iterator<Item = &'a Keyframe>) -> Self {
         let mut sides = SideGrid::default();
         let mut owner = 0;
-        for k in stretch(keyframes, middle, stretch_m, |_| true) {
-            let keyframe = &keyframes[k];
-            for polyline in &keyframe.extraction.polylines {
+        for keyframe in keyframes {
+            for polyline in keyframe.standing_polylines() {
                 sides.insert(
                     owner,
                     keyframe.map_from_scan.transform(polyline.polyline.vertices()),
@@ -251,7 +256,7 @@ impl Place {
     }
 
     /// The newest keyframe's pose by this place, if the recent scans fit it in one way only.
-    fn locate(
+    pub fn locate(
         &self,
         views: &[View],
         here: Pose,
@@ -310,7 +315,7 @@ impl Place {
         })
     }
 
-    fn agreement(&self, views: &[View], map_from_newest: Pose) -> Agreement {
+    pub fn agreement(&self, views: &[View], map_from_newest: Pose) -> Agreement {
         views.iter().fold(Agreement::default(), |sum, view| {
             let pose = map_from_newest * view.newest_from_scan;
             sum.plus(judge(view.points, &self.sides, pose, 0.12))
@@ -319,13 +324,13 @@ impl Place {
 }
 
 /// A recent scan, seen from the newest keyframe.
-struct View<'a> {
+pub(super) struct View<'a> {
     points: &'a [SidePoint],
     newest_from_scan: Pose,
 }
 
 impl<'a> View<'a> {
-    fn new(keyframe: &'a Keyframe, map_from_newest: Pose) -> Self {
+    pub fn new(keyframe: &'a Keyframe, map_from_newest: Pose) -> Self {
         Self {
             points: &keyframe.points,
             newest_from_scan: map_from_newest.inverse() * keyframe.map_from_scan,

@@ -164,6 +164,7 @@ impl Atlas {
             extraction: Arc::clone(&seen.extraction),
             points: Arc::clone(&seen.points),
             disordered_runs: disordered_runs(seen.scan, seen.extraction.noise_m, &settings.eraser).into(),
+            is_doubtful: is_doubtful(step),
             map_from_scan: pose,
         });
         self.tie(step);
@@ -355,6 +356,13 @@ impl Atlas {
             &settings.merge,
         )
     }
+}
+
+/// Whether other places came near when a scan was placed: where the predicted pose settled it, none was looked at.
+fn is_doubtful(step: &Step) -> bool {
+    const CLEAR_LEAD: f64 = 0.25;
+    let is_settled = step.alignment.is_some() && step.hypotheses.len() == 1;
+    !is_settled && step.lead.is_none_or(|lead| lead < CLEAR_LEAD)
 }
 
 /// The edge between two keyframes in a row. Where the walls leave a direction open, the motion model holds it: without,

@@ -94,6 +94,7 @@ fn restored_keyframe(kept: &SavedKeyframe, way_m: f64, settings: &Settings) -> K
         scan: Arc::new(kept.scan.clone()),
         extraction: Arc::new(extraction),
         way_m,
+        is_doubtful: false,
         map_from_scan: kept.map_from_scan,
     }
 }

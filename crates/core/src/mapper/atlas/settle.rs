@@ -1,20 +1,42 @@
-//! What is done when no scan follows: poses and walls are adjusted together.
+//! What is done when no scan follows: poses and walls are adjusted together, and keyframes that the finished map
+//! contradicts are looked for again.
 
-use super::Atlas;
+use super::{Atlas, loosened};
 use crate::adjust::adjusted;
+use crate::align::Information;
 use crate::geometry::{Pose, SideGrid};
+use crate::loops::graph::Edge;
+use crate::loops::place_again;
 use crate::mapper::Settings;
 use crate::merge::eraser::boxes;
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::overlap::merge_overlaps;
 use crate::merge::{MergeSettings, merge_all};
 
+/// An edge of a keyframe that was placed again is broken when it is stretched farther, squared standard deviations
+/// (χ² with three degrees of freedom: 99.9 %).
+const BROKEN_SQUARES: f64 = 16.3;
+/// How far apart the keyframes may then be all the same: standard deviations, metres and radians.
+const LOOSE_M: f64 = 1.0;
+const LOOSE_RAD: f64 = 1.0;
+
 impl Atlas {
-    /// Adjusts the poses of all keyframes and the walls together. A wall that stood twice stands once after it, and is
-    /// straighter: the returns are assigned again as long as something moves. Returns the motion of the map frame that
-    /// the newest keyframe has made.
+    /// Adjusts poses and walls, and once more if a keyframe was given another place. Returns the motion of the map frame
+    /// that the newest keyframe has made.
     pub fn settle(&mut self, settings: &Settings) -> Pose {
         let (newest, before) = self.newest();
+        self.adjust(settings);
+        if self.look_again(settings) {
+            self.optimise();
+            self.adjust(settings);
+        }
+        self.is_stale = true;
+        self.pose(newest) * before.inverse()
+    }
+
+    /// Adjusts the poses of all keyframes and the walls together. A wall that stood twice stands once after it, and is
+    /// straighter: the returns are assigned again as long as something moves.
+    fn adjust(&mut self, settings: &Settings) {
         for _ in 0..settings.adjust.rounds {
             let sides = self.walls(settings);
             let poses = adjusted(&self.keyframes, &self.edges, &sides, &settings.adjust);
@@ -27,8 +49,6 @@ impl Atlas {
                 break;
             }
         }
-        self.is_stale = true;
-        self.pose(newest) * before.inverse()
     }
 
     /// The sides of a map of all keyframes, with few corners.
@@ -42,5 +62,53 @@ impl Atlas {
         merge_all(&mut map, &self.keyframes, &erased, &merge);
         merge_overlaps(&mut map, &merge);
         map.skeleton
+    }
+
+    /// Gives keyframes that lie wrong another place. Returns whether there were any.
+    fn look_again(&mut self, settings: &Settings) -> bool {
+        let doubtful: Vec<usize> = (0..self.keyframes.len())
+            .filter(|&k| self.keyframes[k].is_doubtful)
+            .collect();
+        let found = place_again(
+            &mut self.keyframes,
+            &doubtful,
+            &settings.align,
+            &settings.recognise,
+        );
+        self.keep_frame();
+        for edge in &found {
+            self.break_edges(edge.to);
+            self.edges.push(Edge {
+                information: loosened(&edge.information),
+                ..*edge
+            });
+        }
+        !found.is_empty()
+    }
+
+    /// The map's frame is the first keyframe.
+    fn keep_frame(&mut self) {
+        let first = self.pose(0);
+        if first != Pose::IDENTITY {
+            let back = first.inverse();
+            for keyframe in &mut self.keyframes {
+                keyframe.map_from_scan = back * keyframe.map_from_scan;
+            }
+        }
+    }
+
+    /// What was measured when a keyframe was placed wrongly counts no longer: recognised places go, and the way from one
+    /// keyframe to the next is whatever it was.
+    fn break_edges(&mut self, keyframe: usize) {
+        let poses: Vec<Pose> = self.keyframes.iter().map(|k| k.map_from_scan).collect();
+        let is_broken = |e: &Edge| {
+            (e.from == keyframe || e.to == keyframe)
+                && e.information.quadratic(e.residual(&poses)) > BROKEN_SQUARES
+        };
+        self.edges.retain(|e| !(e.is_loop && is_broken(e)));
+        for edge in self.edges.iter_mut().filter(|e| is_broken(e)) {
+            edge.motion = poses[edge.from].inverse() * poses[edge.to];
+            edge.information = Information::from_sigmas(LOOSE_M, LOOSE_M, LOOSE_RAD);
+        }
     }
 }
