@@ -37,6 +37,17 @@ pub(crate) struct Keyframe {
 }
 
 impl Keyframe {
+    /// The returns on the polylines that are merged.
+    pub fn standing_points(&self) -> impl Iterator<Item = &SidePoint> {
+        self.points.iter().filter(|p| !self.moves(p))
+    }
+
+    /// Whether a return lies on something that moves.
+    pub fn moves(&self, point: &SidePoint) -> bool {
+        let is_moving = self.is_moving.get(point.polyline as usize);
+        is_moving.copied().unwrap_or(false)
+    }
+
     /// The polylines that are merged.
     pub fn standing_polylines(&self) -> impl Iterator<Item = &ScanPolyline> {
         self.extraction

@@ -28,9 +28,6 @@ pub struct AdjustSettings {
     pub gate_m: f64,
     /// Scale of the Cauchy weight in standard deviations, as for alignments.
     pub robust_sigmas: f64,
-    /// How far the sides may stray from what was merged before they get another corner, metres: twice as far as in the
-    /// map, so that a wall that drift has bent is asked to be straight (corridor of 40 m, F at 2 cm: 0.58 with 1 cm, 0.88 with 2).
-    pub skeleton_sigma_m: f64,
     /// Steps of Gauss–Newton for one assignment of returns to sides.
     pub steps: usize,
     /// Assignments at the most.
@@ -44,7 +41,6 @@ impl Default for AdjustSettings {
         Self {
             gate_m: 0.15,
             robust_sigmas: 2.385,
-            skeleton_sigma_m: 0.02,
             steps: 4,
             rounds: 3,
             again_beyond_m: 0.05,

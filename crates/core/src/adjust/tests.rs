@@ -49,12 +49,8 @@ fn walk() -> (Vec<Pose>, Vec<Keyframe>, Vec<Edge>) {
 }
 
 fn walls_of(keyframes: &[Keyframe]) -> SideGrid {
-    let merge = MergeSettings {
-        skeleton_sigma_m: AdjustSettings::default().skeleton_sigma_m,
-        ..MergeSettings::default()
-    };
     let mut map = GrowingMap::default();
-    merge_all(&mut map, keyframes, &[], &merge);
+    merge_all(&mut map, keyframes, &[], &MergeSettings::default());
     map.skeleton
 }
 

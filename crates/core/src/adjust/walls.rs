@@ -55,8 +55,7 @@ fn views(number: usize, keyframe: &Keyframe, sides: &SideGrid, gate_m: f64) -> V
     let pose = keyframe.map_from_scan;
     let mut found: Vec<(u32, u32)> = Vec::new();
     for (k, p) in (0_u32..).zip(keyframe.points.iter()) {
-        let is_moving = keyframe.is_moving.get(p.polyline as usize);
-        if is_moving.copied().unwrap_or(false) {
+        if keyframe.moves(p) {
             continue;
         }
         let near = Near {

@@ -93,6 +93,11 @@ impl SideGrid {
         self.of_owner.iter().flatten().map(|&id| &self.sides[id as usize])
     }
 
+    /// The numbers of the sides of one polyline, in order.
+    pub fn numbers_of(&self, owner: u32) -> &[u32] {
+        self.of_owner.get(owner as usize).map_or(&[], Vec::as_slice)
+    }
+
     /// The sides of one polyline, in order.
     pub fn sides_of(&self, owner: u32) -> impl Iterator<Item = &Side> + '_ {
         self.of_owner

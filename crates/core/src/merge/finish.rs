@@ -2,10 +2,11 @@
 //!
 //! In: keyframes and eraser boxes. Out: the map. All keyframes are merged in order; what their beams looked through is
 //! taken out, with the evidence of the whole log instead of the past alone; polylines that lie on others are merged
-//! into them; each is divided into sides anew and its sides fitted.
+//! into them; all are laid on the returns (`refit`); each is divided into sides anew and its sides fitted.
 
 use super::growing_map::{GrowingMap, GrowingPolyline, SIDE_PENALTY, Vertex};
 use super::overlap::merge_overlaps;
+use super::refit::refit;
 use super::{MergeSettings, merge_all, sight};
 use crate::extract::simplify_chain;
 use crate::geometry::Point;
@@ -23,6 +24,7 @@ pub(crate) fn finish(keyframes: &[Keyframe], eraser_boxes: Vec<EraserBox>, setti
     sight::clear_all(&mut map, settings);
     cut_gaps(&mut map);
     merge_overlaps(&mut map, settings);
+    refit(&mut map, keyframes, settings);
     let mut out = Map {
         polylines: Vec::new(),
         eraser_boxes,

@@ -11,6 +11,7 @@ pub(crate) mod growing_map;
 mod link;
 pub(crate) mod moving;
 pub(crate) mod overlap;
+pub(crate) mod refit;
 mod sharp;
 mod sight;
 mod simulate;
