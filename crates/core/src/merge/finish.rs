@@ -5,7 +5,6 @@
 //! into them; all are laid on the returns (`refit`); each is divided into sides anew and its sides fitted.
 
 use super::growing_map::{GrowingMap, GrowingPolyline, SIDE_PENALTY, Vertex};
-use super::overlap::merge_overlaps;
 use super::refit::refit;
 use super::{MergeSettings, merge_all, sight};
 use crate::extract::simplify_chain;
@@ -23,7 +22,6 @@ pub(crate) fn finish(keyframes: &[Keyframe], eraser_boxes: Vec<EraserBox>, setti
     }
     sight::clear_all(&mut map, settings);
     cut_gaps(&mut map);
-    merge_overlaps(&mut map, settings);
     refit(&mut map, keyframes, settings);
     let mut out = Map {
         polylines: Vec::new(),

@@ -10,7 +10,7 @@ pub(crate) mod finish;
 pub(crate) mod growing_map;
 mod link;
 pub(crate) mod moving;
-pub(crate) mod overlap;
+mod overlap;
 pub(crate) mod refit;
 mod sharp;
 mod sight;

@@ -8,6 +8,7 @@
 
 use super::MergeSettings;
 use super::growing_map::{GrowingMap, Vertex};
+use super::overlap::merge_overlaps;
 use crate::geometry::{Near, Point, Side};
 use crate::keyframe::Keyframe;
 
@@ -18,9 +19,11 @@ const MIN_COS: f64 = 0.8;
 /// Fewer returns do not move a point.
 const LEAST_RETURNS: usize = 3;
 
-/// Lays every polyline of the map on the returns, and makes its skeleton anew.
+/// Merges polylines that lie on others, lays all on the returns, and makes their skeletons anew; twice, because walls that
+/// stood ten centimetres apart come to lie on the same returns.
 pub(crate) fn refit(map: &mut GrowingMap, keyframes: &[Keyframe], settings: &MergeSettings) {
     for gate_m in GATES_M {
+        merge_overlaps(map, settings);
         let offsets = Offsets::of(map, keyframes, gate_m, settings.spacing_m);
         let slots: Vec<u32> = map.polylines().map(|(slot, _)| slot).collect();
         for slot in slots {
@@ -161,7 +164,6 @@ mod tests {
         });
         map.add(blurred.collect());
         let settings = MergeSettings::default();
-        map.refresh_skeletons(settings.skeleton_sigma_m);
         refit(&mut map, &keyframes, &settings);
         let (_, polyline) = map.polylines().next().unwrap();
         let worst_m = polyline

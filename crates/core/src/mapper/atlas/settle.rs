@@ -11,7 +11,6 @@ use crate::mapper::Settings;
 use crate::merge::eraser::boxes;
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::merge_all;
-use crate::merge::overlap::merge_overlaps;
 use crate::merge::refit::refit;
 
 /// An edge of a keyframe that was placed again is broken when it is stretched farther, squared standard deviations
@@ -58,7 +57,6 @@ impl Atlas {
         let erased = boxes(&self.keyframes, &settings.eraser);
         let mut map = GrowingMap::default();
         merge_all(&mut map, &self.keyframes, &erased, &settings.merge);
-        merge_overlaps(&mut map, &settings.merge);
         refit(&mut map, &self.keyframes, &settings.merge);
         map.skeleton
     }
