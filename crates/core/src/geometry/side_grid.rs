@@ -176,7 +176,9 @@ impl SideGrid {
     }
 
     fn take_out(&mut self, id: u32) {
-        for_each_cell(self.sides[id as usize].segment, |cell| self.cells.remove(cell, id));
+        for_each_cell(self.sides[id as usize].segment, |cell| {
+            self.cells.remove(cell, id)
+        });
         self.unused.push(id);
     }
 

@@ -3,16 +3,16 @@
 use std::sync::Arc;
 
 use super::growing_map::GrowingMap;
-use super::{MergeSettings, merge, merge_all};
+use super::{MergeSettings, merge_all};
 use crate::extract::{ExtractSettings, extract};
 use crate::geometry::{Point, Pose, SideGrid};
 use crate::keyframe::Keyframe;
 use crate::scan::{Scan, ScanGeometry};
 
-type Wall<'a> = &'a [(f64, f64)];
+pub(crate) type Wall<'a> = &'a [(f64, f64)];
 
 /// What a scanner with 0.5° all round sees of the walls.
-fn keyframe(walls: &[Wall], map_from_scan: Pose) -> Keyframe {
+pub(crate) fn keyframe(walls: &[Wall], map_from_scan: Pose) -> Keyframe {
     let mut grid = SideGrid::default();
     for (owner, wall) in (0..).zip(walls) {
         grid.insert(owner, wall.iter().map(|&(x, y)| Point::new(x, y)));
@@ -41,7 +41,7 @@ fn keyframe(walls: &[Wall], map_from_scan: Pose) -> Keyframe {
 
 fn merged(keyframes: &[Keyframe]) -> GrowingMap {
     let mut map = GrowingMap::default();
-    merge_all(&mut map, keyframes, &[], &MergeSettings::default());
+    merge_all(&mut map, (0..).zip(keyframes), &[], &MergeSettings::default());
     map
 }
 
@@ -121,8 +121,11 @@ fn a_door_that_opened_gives_two_polylines() {
     let open: Wall = &[(2.0, -3.0), (2.0, 0.0), (1.5, 0.866)];
     let mut map = GrowingMap::default();
     let settings = MergeSettings::default();
-    merge(&mut map, &keyframe(&[shut], Pose::IDENTITY), &[], 0, &settings);
-    merge(&mut map, &keyframe(&[open], Pose::IDENTITY), &[], 1, &settings);
+    let keyframes = [
+        keyframe(&[shut], Pose::IDENTITY),
+        keyframe(&[open], Pose::IDENTITY),
+    ];
+    merge_all(&mut map, (0..).zip(&keyframes), &[], &settings);
     let lengths = lengths_m(&map);
     assert_eq!(lengths.len(), 2, "{lengths:?}");
     assert!(
