@@ -87,6 +87,7 @@ pub(super) struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     /// What a cell holds, in no order.
+    #[inline]
     pub fn get(&mut self, cell: Cell) -> &'a [u32] {
         let place = place_of(cell);
         if self.place != Some(place) {

@@ -207,10 +207,11 @@ impl SideGrid {
         best.look(reader.get(own), &allowed);
         let (x0, x1) = (cell_of(p.x - best.reach_m), cell_of(p.x + best.reach_m));
         let (y0, y1) = (cell_of(p.y - best.reach_m), cell_of(p.y + best.reach_m));
-        for cx in x0..=x1 {
-            for cy in y0..=y1 {
-                if (cx, cy) != own && distance_to_cell_m(p, (cx, cy)) <= best.reach_m + 1e-9 {
-                    best.look(reader.get((cx, cy)), &allowed);
+        for cy in y0..=y1 {
+            for cx in x0..=x1 {
+                let list = reader.get((cx, cy));
+                if !list.is_empty() && (cx, cy) != own && best.reaches((cx, cy)) {
+                    best.look(list, &allowed);
                 }
             }
         }
@@ -284,6 +285,16 @@ struct Nearest<'a> {
 }
 
 impl Nearest<'_> {
+    /// Whether something in a cell may be nearer than what was found.
+    fn reaches(&self, (cx, cy): Cell) -> bool {
+        let off_m = |coordinate_m: f64, cell: i32| {
+            let low_m = f64::from(cell) * CELL_M;
+            (low_m - coordinate_m).max(coordinate_m - low_m - CELL_M).max(0.0)
+        };
+        let off = Point::new(off_m(self.p.x, cx), off_m(self.p.y, cy));
+        off.dot(off) <= (self.reach_m + 1e-9).powi(2)
+    }
+
     fn look(&mut self, list: &[u32], allowed: &impl Fn(u32) -> bool) {
         for &id in list {
             let side = &self.grid.sides[id as usize];
@@ -320,14 +331,6 @@ impl Nearest<'_> {
             }
         }
     }
-}
-
-fn distance_to_cell_m(p: Point, (cx, cy): Cell) -> f64 {
-    let off_m = |coordinate_m: f64, cell: i32| {
-        let low_m = f64::from(cell) * CELL_M;
-        (low_m - coordinate_m).max(coordinate_m - low_m - CELL_M).max(0.0)
-    };
-    Point::new(off_m(p.x, cx), off_m(p.y, cy)).norm()
 }
 
 #[cfg(test)]
