@@ -73,8 +73,9 @@ impl Mapping for CoreMapping {
         self.record.skip(bad)
     }
 
-    fn finish(self, partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished> {
+    fn finish(mut self, partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished> {
         clock.enter(Stage::Finish.name());
+        self.mapper.settle();
         let map = self.mapper.map();
         let outcomes = self.mapper.outcomes();
         clock.enter("record");

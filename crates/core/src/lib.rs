@@ -27,6 +27,8 @@ pub mod map;
 
 pub mod loops;
 
+pub mod adjust;
+
 pub mod locate;
 
 pub mod mapper;

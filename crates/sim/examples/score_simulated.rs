@@ -107,6 +107,7 @@ impl Row {
                 }
             }
         }
+        mapper.settle();
         let map = mapper.map();
         let ms = started.elapsed().as_secs_f64() * 1e3 / log.scans.len() as f64;
         let outcomes = mapper.outcomes();

@@ -85,6 +85,7 @@ fn map_log(args: &BuildArgs) -> anyhow::Result<(MapFolder, Reading)> {
         }
         Ok(())
     })?;
+    mapper.settle();
     let outcomes = mapper.outcomes().iter().map(outcome).collect();
     let second = MapFolder::of(lines, mapper.map(), outcomes, &recognised, mapper.saved())?;
     Ok((second, reading))

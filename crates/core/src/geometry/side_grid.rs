@@ -82,6 +82,11 @@ impl SideGrid {
         &self.sides[side as usize]
     }
 
+    /// All sides ever taken in, by number; some may have been taken out since.
+    pub fn numbered(&self) -> &[Side] {
+        &self.sides
+    }
+
     /// Every side in the grid, by polyline.
     pub fn sides(&self) -> impl Iterator<Item = &Side> + Clone + '_ {
         self.of_owner.iter().flatten().map(|&id| &self.sides[id as usize])
@@ -177,7 +182,7 @@ impl SideGrid {
 
     fn take_out(&mut self, id: u32) {
         for_each_cell(self.sides[id as usize].segment, |cell| {
-            self.cells.remove(cell, id)
+            self.cells.remove(cell, id);
         });
         self.unused.push(id);
     }

@@ -162,8 +162,9 @@ impl SavedMap {
             .collect();
         first.append(second, placed.first_from_second, scans_before);
         first.tie_by(edges);
-        first.settle();
+        first.optimise();
         let tied = tie_all_along(&mut first, offset, settings);
+        first.settle(settings);
         Ok(Joined {
             map: first.map(settings),
             saved: first.saved(),
@@ -200,6 +201,6 @@ fn tie_all_along(atlas: &mut Atlas, offset: usize, settings: &Settings) -> usize
         information: tie.information.with_noise(TIE_SIGMA_M, TIE_SIGMA_RAD),
         ..tie
     }));
-    atlas.settle();
+    atlas.optimise();
     tied
 }

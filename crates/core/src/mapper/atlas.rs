@@ -6,6 +6,7 @@
 
 mod local;
 mod saved;
+mod settle;
 
 use super::{Settings, Step};
 use local::Local;
@@ -63,6 +64,8 @@ pub(crate) struct Atlas {
     waiting: Option<Edge>,
     /// Something that was merged with this keyframe, or later, has moved since.
     stale_from: Option<usize>,
+    /// Poses have moved since the map around was made.
+    has_moved: bool,
     /// Keyframes within reach when the map around was last brought up to where the scanner is, ascending.
     around: Vec<usize>,
     /// Way since the newest keyframe was last tied to an old one, metres.
@@ -224,7 +227,7 @@ impl Atlas {
                 is_closed = self.close(edge, settings);
             }
         }
-        if is_closed {
+        if is_closed || self.has_moved {
             self.renew_local(settings);
         }
         if let Some(first) = self.stale_from.take() {
@@ -305,7 +308,8 @@ impl Atlas {
         })
     }
 
-    fn optimise(&mut self) {
+    /// Moves the keyframes so that they agree with all edges.
+    pub fn optimise(&mut self) {
         let mut poses: Vec<Pose> = self.keyframes.iter().map(|k| k.map_from_scan).collect();
         optimise(&mut poses, &self.edges);
         for (keyframe, pose) in self.keyframes.iter_mut().zip(poses) {
@@ -319,6 +323,7 @@ impl Atlas {
         self.local.renew(&self.keyframes, &self.around, settings);
         self.unrenewed_m = 0.0;
         self.stale_from = None;
+        self.has_moved = false;
     }
 
     /// Brings the map around up to where the scanner is now.

@@ -54,6 +54,12 @@ impl Left {
         }
     }
 
+    /// Adjusts its poses and walls together.
+    pub fn settle(&mut self, settings: &Settings) {
+        let moved = self.atlas.settle(settings);
+        self.motion.map_from_scan = moved * self.motion.map_from_scan;
+    }
+
     /// Looks for the present map, whose keyframes are `new`, in this one.
     pub fn find(&mut self, new: &[Keyframe], settings: &Settings) -> Option<Edge> {
         let old = self.atlas.keyframes();

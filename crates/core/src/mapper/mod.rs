@@ -185,6 +185,15 @@ impl Mapper {
         )
     }
 
+    /// To be called when no scan follows, before the outcomes and the map are asked for: the best account of the motion is
+    /// taken, and poses and walls are adjusted together. Scans may follow all the same.
+    pub fn settle(&mut self) {
+        self.tracks.truncate(1);
+        if let Some(track) = self.tracks.first_mut() {
+            track.settle(&self.settings);
+        }
+    }
+
     /// What became of every scan so far, in the map frame as it is now.
     #[must_use]
     pub fn outcomes(&self) -> Vec<Outcome> {

@@ -1,3 +1,4 @@
+use crate::adjust::AdjustSettings;
 use crate::align::AlignSettings;
 use crate::extract::ExtractSettings;
 use crate::loops::RecogniseSettings;
@@ -23,4 +24,6 @@ pub struct Settings {
     pub merge: MergeSettings,
     /// Closing loops.
     pub recognise: RecogniseSettings,
+    /// Adjusting poses and walls together.
+    pub adjust: AdjustSettings,
 }

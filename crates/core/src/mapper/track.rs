@@ -250,6 +250,15 @@ impl Track {
         self.held.iter().map(|held| self.outcome(held)).collect()
     }
 
+    /// Adjusts poses and walls of every map together; the scanner moves along.
+    pub fn settle(&mut self, settings: &Settings) {
+        let moved = self.atlas.settle(settings);
+        self.follow(moved);
+        for left in &mut self.left {
+            left.settle(settings);
+        }
+    }
+
     /// What must be kept of the map.
     pub fn saved(&self) -> SavedMap {
         self.main().saved()

@@ -10,13 +10,13 @@ pub(crate) mod finish;
 pub(crate) mod growing_map;
 mod link;
 pub(crate) mod moving;
-mod overlap;
+pub(crate) mod overlap;
 mod sharp;
 mod sight;
 mod simulate;
 mod splice;
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;
 
 pub use eraser::EraserSettings;
 use growing_map::GrowingMap;

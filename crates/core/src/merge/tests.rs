@@ -1,43 +1,10 @@
 //! Merging in small drawn worlds: what the paper's section 4 promises.
 
-use std::sync::Arc;
-
 use super::growing_map::GrowingMap;
 use super::{MergeSettings, merge_all};
-use crate::extract::{ExtractSettings, extract};
-use crate::geometry::{Point, Pose, SideGrid};
+use crate::geometry::Pose;
 use crate::keyframe::Keyframe;
-use crate::scan::{Scan, ScanGeometry};
-
-pub(crate) type Wall<'a> = &'a [(f64, f64)];
-
-/// What a scanner with 0.5° all round sees of the walls.
-pub(crate) fn keyframe(walls: &[Wall], map_from_scan: Pose) -> Keyframe {
-    let mut grid = SideGrid::default();
-    for (owner, wall) in (0..).zip(walls) {
-        grid.insert(owner, wall.iter().map(|&(x, y)| Point::new(x, y)));
-    }
-    let geometry = ScanGeometry::new(0.0, 0.5_f64.to_radians(), 720).unwrap();
-    let ranges_m = (0..720)
-        .map(|beam| {
-            let direction = Point::from_polar(1.0, geometry.bearing_rad(beam) + map_from_scan.theta_rad);
-            let hit = grid.first_along_ray(map_from_scan.translation(), direction, 30.0);
-            hit.map_or(f64::NAN, |h| h.range_m)
-        })
-        .collect();
-    let scan = Scan::new(geometry, ranges_m).unwrap();
-    let extraction = extract(&scan, &ExtractSettings::default());
-    Keyframe {
-        number: 0,
-        is_moving: vec![false; extraction.polylines.len()],
-        extraction: Arc::new(extraction),
-        points: Arc::new([]),
-        disordered_runs: Arc::new([]),
-        scan: Arc::new(scan),
-        way_m: 0.0,
-        map_from_scan,
-    }
-}
+use crate::keyframe::drawn::{Wall, keyframe};
 
 fn merged(keyframes: &[Keyframe]) -> GrowingMap {
     let mut map = GrowingMap::default();

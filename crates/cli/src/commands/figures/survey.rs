@@ -74,6 +74,7 @@ impl Survey {
             });
             Ok(())
         })?;
+        mapper.settle();
         for (scan, outcome) in scans.iter_mut().zip(mapper.outcomes()) {
             scan.map_from_scan = place(outcome);
         }

@@ -40,7 +40,8 @@ impl Follower {
     }
 
     /// Ends the record with the finished map.
-    pub fn finish(self, partial: Option<String>) -> anyhow::Result<()> {
+    pub fn finish(mut self, partial: Option<String>) -> anyhow::Result<()> {
+        self.mapper.settle();
         self.recorder
             .finish(&self.mapper.map(), &self.mapper.outcomes(), partial)?;
         Ok(())

@@ -6,11 +6,13 @@
 //! Levenberg's damping; ρ is Cauchy's log(1 + ·) on loop edges, so that a false one loses its pull, and the square on
 //! the others. The scale of ρ shrinks from wide to 1 (graduated non-convexity). The normal equations are solved by block elimination in order of least degree ([`sparse`]).
 
+pub(crate) mod block;
 mod sparse;
 
 use crate::align::Information;
 use crate::geometry::{Pose, wrap_rad};
-use sparse::{Block, System};
+use block::Block;
+use sparse::System;
 
 /// A measured motion between two nodes.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +44,7 @@ impl Edge {
     }
 
     /// Cost, and the weight that Cauchy's ρ of scale `scale` (a squared residual) leaves the edge.
-    fn cost(&self, poses: &[Pose], scale: f64) -> (f64, f64) {
+    pub fn cost(&self, poses: &[Pose], scale: f64) -> (f64, f64) {
         let square = self.square(poses);
         if self.is_loop {
             (scale * (square / scale).ln_1p(), 1.0 / (1.0 + square / scale))
@@ -52,7 +54,7 @@ impl Edge {
     }
 
     /// Derivatives of the residual by (x, y, θ) of either end.
-    fn jacobians(&self, poses: &[Pose]) -> (Block, Block) {
+    pub fn jacobians(&self, poses: &[Pose]) -> (Block, Block) {
         let (sin, cos) = poses[self.from].theta_rad.sin_cos();
         let seen = poses[self.from].inverse() * poses[self.to];
         let from = [[-cos, -sin, seen.y], [sin, -cos, -seen.x], [0.0, 0.0, -1.0]];

@@ -5,13 +5,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::block::{
+    Block, Column, ZERO, add_to, inverted, product, subtract_from, times, transposed, transposed_product,
+    transposed_times,
+};
 use crate::align::Information;
-
-/// A 3 × 3 matrix, row by row.
-pub(super) type Block = [[f64; 3]; 3];
-type Column = [f64; 3];
-
-const ZERO: Block = [[0.0; 3]; 3];
 
 /// H · x = −g.
 pub(super) struct System {
@@ -123,64 +121,4 @@ impl System {
         }
         steps.iter().flatten().all(|v| v.is_finite()).then_some(steps)
     }
-}
-
-fn product(a: &Block, b: &Block) -> Block {
-    let mut out = ZERO;
-    for (row, line) in out.iter_mut().zip(a) {
-        for (c, cell) in row.iter_mut().enumerate() {
-            *cell = line[0] * b[0][c] + line[1] * b[1][c] + line[2] * b[2][c];
-        }
-    }
-    out
-}
-
-fn transposed(a: &Block) -> Block {
-    [
-        [a[0][0], a[1][0], a[2][0]],
-        [a[0][1], a[1][1], a[2][1]],
-        [a[0][2], a[1][2], a[2][2]],
-    ]
-}
-
-fn transposed_product(a: &Block, b: &Block) -> Block {
-    product(&transposed(a), b)
-}
-
-fn times(a: &Block, v: Column) -> Column {
-    a.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
-}
-
-fn transposed_times(a: &Block, v: Column) -> Column {
-    times(&transposed(a), v)
-}
-
-fn add_to(a: &mut Block, b: &Block) {
-    for (x, y) in a.iter_mut().flatten().zip(b.iter().flatten()) {
-        *x += y;
-    }
-}
-
-fn subtract_from(a: &mut Block, b: &Block) {
-    for (x, y) in a.iter_mut().flatten().zip(b.iter().flatten()) {
-        *x -= y;
-    }
-}
-
-fn inverted(a: &Block) -> Option<Block> {
-    let cofactor = |r: usize, c: usize| {
-        let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
-        a[r1][c1] * a[r2][c2] - a[r1][c2] * a[r2][c1]
-    };
-    let determinant = (0..3).map(|c| a[0][c] * cofactor(0, c)).sum::<f64>();
-    if !determinant.is_finite() || determinant.abs() < 1e-300 {
-        return None;
-    }
-    let mut out = ZERO;
-    for (r, row) in out.iter_mut().enumerate() {
-        for (c, cell) in row.iter_mut().enumerate() {
-            *cell = cofactor(c, r) / determinant;
-        }
-    }
-    Some(out)
 }

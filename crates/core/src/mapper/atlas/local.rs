@@ -119,7 +119,7 @@ impl Local {
 mod tests {
     use super::*;
     use crate::geometry::Pose;
-    use crate::merge::tests::keyframe;
+    use crate::keyframe::drawn::keyframe;
 
     /// A scanner goes through a room; a box stands in it in the last keyframes.
     fn walk() -> Vec<Keyframe> {

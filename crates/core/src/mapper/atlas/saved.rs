@@ -44,11 +44,6 @@ impl Atlas {
         self.edges.extend(edges);
     }
 
-    /// Moves the keyframes so that they agree with all edges.
-    pub fn settle(&mut self) {
-        self.optimise();
-    }
-
     /// Puts another map's keyframes and edges after those of this one, moved by `here_from_other`; their scans count from
     /// `scans_before` on. Returns the number that the first of its keyframes gets.
     pub fn append(&mut self, other: Self, here_from_other: Pose, scans_before: usize) -> usize {
