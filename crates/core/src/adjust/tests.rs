@@ -50,7 +50,7 @@ fn walk() -> (Vec<Pose>, Vec<Keyframe>, Vec<Edge>) {
 
 fn walls_of(keyframes: &[Keyframe]) -> SideGrid {
     let mut map = GrowingMap::default();
-    merge_all(&mut map, keyframes, &[], &MergeSettings::default());
+    merge_all(&mut map, (0..).zip(keyframes), &[], &MergeSettings::default());
     map.skeleton
 }
 

@@ -125,13 +125,16 @@ pub(crate) fn align_to_grid(
     let mut converged = false;
     let mut rounds = 0;
     let mut last = Round::default();
+    // How far off the guess puts each return.
+    let off_m: Vec<f64> = points
+        .iter()
+        .map(|p| 3.0 * guess.sigma_m.hypot(guess.sigma_rad * p.point.norm()))
+        .collect();
     while rounds < settings.max_rounds && !converged {
         rounds += 1;
-        let gate = |range_m: f64| {
-            let guess_m = 3.0 * guess.sigma_m.hypot(guess.sigma_rad * range_m);
-            (settings.last_gate_m + doubt * guess_m).min(settings.widest_gate_m)
-        };
-        last = Round::pair(points, target, &allowed, pose, gate, settings);
+        let gate = |off_m: f64| (settings.last_gate_m + doubt * off_m).min(settings.widest_gate_m);
+        let gated = points.iter().zip(off_m.iter().map(|&off_m| gate(off_m)));
+        last = Round::pair(gated, target, &allowed, pose, settings);
         let step = last.step(pose, prior)?;
         pose = Pose::new(pose.x + step[0], pose.y + step[1], pose.theta_rad + step[2]);
         let (shift_m, turn_rad) = (step[0].hypot(step[1]), step[2].abs());
@@ -169,19 +172,18 @@ impl Round {
         (information < 1.0 / (sigma_m * sigma_m)).then_some(direction)
     }
 
-    fn pair(
-        points: &[SidePoint],
+    /// Pairs returns, each with its gate, with the sides nearest to them.
+    fn pair<'a>(
+        points: impl Iterator<Item = (&'a SidePoint, f64)>,
         target: &SideGrid,
         allowed: &impl Fn(u32, u32) -> bool,
         pose: Pose,
-        gate: impl Fn(f64) -> f64,
         settings: &AlignSettings,
     ) -> Self {
         let mut round = Self::default();
         let (sin, cos) = pose.theta_rad.sin_cos();
         let turn = |v: Point| Point::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
-        for p in points {
-            let gate_m = gate(p.point.norm());
+        for (p, gate_m) in points {
             // A wide gate comes with a poor heading: sides may then differ by more.
             let min_cos = if gate_m > 0.25 { 0.7 } else { 0.85 };
             let arm = turn(p.point);

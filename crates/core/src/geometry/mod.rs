@@ -5,6 +5,7 @@
 //! map coordinates.
 
 mod angle;
+mod cell_lists;
 mod cells;
 mod point;
 mod polyline;

@@ -1,17 +1,16 @@
 //! Sides of many polylines, found fast by place: nearest side and first side along a ray.
 //!
-//! A uniform grid, because it takes insertions and removals without rebalancing and gives the same answer
-//! for the same history. A cell of 0.5 m holds a handful of wall sides, and the gates of alignment and
-//! merging (≤ 0.5 m) then look at no more than nine cells.
+//! A uniform grid, because it takes insertions and removals without rebalancing. A cell of 0.5 m holds a handful of
+//! wall sides, and the gates of alignment and merging (≤ 0.5 m) then look at no more than nine cells. Answers depend on
+//! what the grid holds, not on how it came there: of two sides equally near, that of the lower polyline is taken, and of
+//! its sides the first.
 
-use std::collections::HashMap;
-use std::hash::BuildHasherDefault;
-
-use super::cells::{CellHasher, CellWalk, cell_of, for_each_cell, key};
+use super::cell_lists::CellLists;
+use super::cells::{CELL_M, Cell, CellWalk, cell_at, cell_of, for_each_cell};
 use super::{Point, Segment};
 
 /// A side in the grid: which polyline it belongs to, and where.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Side {
     pub segment: Segment,
     /// Unit vector from start to end.
@@ -75,7 +74,7 @@ pub(crate) struct SideGrid {
     sides: Vec<Side>,
     unused: Vec<u32>,
     of_owner: Vec<Vec<u32>>,
-    cells: HashMap<u64, Vec<u32>, BuildHasherDefault<CellHasher>>,
+    cells: CellLists,
 }
 
 impl SideGrid {
@@ -116,13 +115,16 @@ impl SideGrid {
         ))
     }
 
-    /// Takes the sides of a polyline in; sides of no length are left out.
+    /// Takes the sides of a polyline in, in the place of those it had; sides of no length are left out. Costs as much as
+    /// is different.
     pub fn insert(&mut self, owner: u32, vertices: impl IntoIterator<Item = Point>) {
-        self.remove(owner);
         if self.of_owner.len() <= owner as usize {
             self.of_owner.resize(owner as usize + 1, Vec::new());
         }
         let mut ids = std::mem::take(&mut self.of_owner[owner as usize]);
+        let mut count = 0;
+        // A side is taken in when the next one is known, so that the last one knows that it ends the polyline.
+        let mut waiting: Option<Side> = None;
         let mut previous: Option<Point> = None;
         for (index, vertex) in (0_u32..).zip(vertices) {
             let segment = previous.map(|from| Segment::new(from, vertex));
@@ -130,19 +132,26 @@ impl SideGrid {
             let Some((segment, direction)) = segment.and_then(|s| Some((s, s.direction()?))) else {
                 continue;
             };
-            let ends = u8::from(ids.is_empty());
-            let side = Side {
+            let next = Side {
                 segment,
                 direction,
                 length_m: segment.length_m(),
                 owner,
                 index: index - 1,
-                ends,
+                ends: u8::from(waiting.is_none()),
             };
-            ids.push(self.add(side));
+            if let Some(side) = waiting.replace(next) {
+                self.put(&mut ids, count, side);
+                count += 1;
+            }
         }
-        if let Some(&last) = ids.last() {
-            self.sides[last as usize].ends |= 2;
+        if let Some(mut last) = waiting {
+            last.ends |= 2;
+            self.put(&mut ids, count, last);
+            count += 1;
+        }
+        for id in ids.drain(count..) {
+            self.take_out(id);
         }
         self.of_owner[owner as usize] = ids;
     }
@@ -152,19 +161,35 @@ impl SideGrid {
         let Some(ids) = self.of_owner.get_mut(owner as usize) else {
             return;
         };
-        let ids = std::mem::take(ids);
-        // Sides of some centimetres come a dozen to a cell, one after the other: the cell is gone through once for all.
-        let mut emptied = None;
-        for &id in &ids {
-            for_each_cell(self.sides[id as usize].segment, |cell| {
-                if emptied.replace(cell) != Some(cell)
-                    && let Some(list) = self.cells.get_mut(&cell)
-                {
-                    list.retain(|&s| self.sides[s as usize].owner != owner);
-                }
-            });
+        for id in std::mem::take(ids) {
+            self.take_out(id);
         }
-        self.unused.extend(ids);
+    }
+
+    /// Puts the `k`-th side of a polyline, whose sides so far are `ids`, in the place of the one before, if there was one.
+    fn put(&mut self, ids: &mut Vec<u32>, k: usize, side: Side) {
+        let Some(&id) = ids.get(k) else {
+            ids.push(self.add(side));
+            return;
+        };
+        let before = std::mem::replace(&mut self.sides[id as usize], side).segment;
+        let is_same_cell = |p: Point, q: Point| cell_at(p) == cell_at(q);
+        let segment = side.segment;
+        let stays = segment == before
+            || (is_same_cell(segment.a, before.a)
+                && is_same_cell(segment.b, before.b)
+                && is_same_cell(segment.a, segment.b));
+        if !stays {
+            for_each_cell(before, |cell| self.cells.remove(cell, id));
+            for_each_cell(segment, |cell| self.cells.add(cell, id));
+        }
+    }
+
+    fn take_out(&mut self, id: u32) {
+        for_each_cell(self.sides[id as usize].segment, |cell| {
+            self.cells.remove(cell, id);
+        });
+        self.unused.push(id);
     }
 
     fn add(&mut self, side: Side) -> u32 {
@@ -173,53 +198,34 @@ impl SideGrid {
             (self.sides.len() - 1) as u32
         });
         self.sides[id as usize] = side;
-        for_each_cell(side.segment, |cell| self.cells.entry(cell).or_default().push(id));
+        for_each_cell(side.segment, |cell| self.cells.add(cell, id));
         id
     }
 
     /// The nearest side that `near` allows and `allowed` (given its owner) agrees to.
     pub fn nearest(&self, p: Point, near: &Near, allowed: impl Fn(u32) -> bool) -> Option<Foot> {
-        let mut best: Option<Foot> = None;
-        let mut reach_m = near.max_distance_m;
-        let (x0, x1) = (cell_of(p.x - reach_m), cell_of(p.x + reach_m));
-        let (y0, y1) = (cell_of(p.y - reach_m), cell_of(p.y + reach_m));
-        for cx in x0..=x1 {
-            for cy in y0..=y1 {
-                let Some(list) = self.cells.get(&key(cx, cy)) else {
-                    continue;
-                };
-                for &id in list {
-                    let side = &self.sides[id as usize];
-                    if side.direction.dot(near.direction) < near.min_cos {
-                        continue;
-                    }
-                    let from_start = p - side.segment.a;
-                    let along_m = from_start.dot(side.direction);
-                    let clamped_m = along_m.clamp(0.0, side.length_m);
-                    let foot = side.segment.a + side.direction * clamped_m;
-                    let distance_m = foot.distance(p);
-                    if distance_m > reach_m || !allowed(side.owner) {
-                        continue;
-                    }
-                    if !near.beyond_ends && side.is_beyond_end(along_m) {
-                        continue;
-                    }
-                    let closer = best.is_none_or(|b| {
-                        distance_m < b.distance_m || (distance_m <= b.distance_m && id < b.side)
-                    });
-                    if closer {
-                        reach_m = distance_m;
-                        best = Some(Foot {
-                            side: id,
-                            point: foot,
-                            share: clamped_m / side.length_m,
-                            distance_m,
-                        });
-                    }
+        let mut best = Nearest {
+            grid: self,
+            p,
+            near,
+            reach_m: near.max_distance_m,
+            foot: None,
+        };
+        let mut reader = self.cells.reader();
+        // What is found in the point's own cell most often leaves no other to look at.
+        let own = cell_at(p);
+        best.look(reader.get(own), &allowed);
+        let (x0, x1) = (cell_of(p.x - best.reach_m), cell_of(p.x + best.reach_m));
+        let (y0, y1) = (cell_of(p.y - best.reach_m), cell_of(p.y + best.reach_m));
+        for cy in y0..=y1 {
+            for cx in x0..=x1 {
+                let list = reader.get((cx, cy));
+                if !list.is_empty() && (cx, cy) != own && best.reaches((cx, cy)) {
+                    best.look(list, &allowed);
                 }
             }
         }
-        best
+        best.foot
     }
 
     /// Calls `visit` for every side that the ray meets between 0 and `max_range_m`, in no order of range,
@@ -234,12 +240,10 @@ impl SideGrid {
         mut visit: impl FnMut(Crossing) -> bool,
     ) {
         let mut walk = CellWalk::new(origin, direction, max_range_m);
+        let mut reader = self.cells.reader();
         while let Some((cell, leave_m)) = walk.next_cell() {
-            let Some(list) = self.cells.get(&cell) else {
-                continue;
-            };
             let mut go_on = true;
-            for &id in list {
+            for &id in reader.get(cell) {
                 let Some((range_m, share)) = self.sides[id as usize].segment.meet_ray(origin, direction)
                 else {
                     continue;
@@ -263,12 +267,79 @@ impl SideGrid {
     pub fn first_along_ray(&self, origin: Point, direction: Point, max_range_m: f64) -> Option<Crossing> {
         let mut first: Option<Crossing> = None;
         self.along_ray(origin, direction, max_range_m, |c| {
-            if first.is_none_or(|f| c.range_m < f.range_m || (c.range_m <= f.range_m && c.side < f.side)) {
+            if first.is_none_or(|f| {
+                c.range_m < f.range_m || (c.range_m <= f.range_m && self.rank(c.side) < self.rank(f.side))
+            }) {
                 first = Some(c);
             }
             false
         });
         first
+    }
+
+    /// What decides between two sides that are equally near.
+    fn rank(&self, side: u32) -> (u32, u32) {
+        let side = self.side(side);
+        (side.owner, side.index)
+    }
+}
+
+/// The nearest side so far.
+struct Nearest<'a> {
+    grid: &'a SideGrid,
+    p: Point,
+    near: &'a Near,
+    /// What is farther is not looked at, metres.
+    reach_m: f64,
+    foot: Option<Foot>,
+}
+
+impl Nearest<'_> {
+    /// Whether something in a cell may be nearer than what was found.
+    fn reaches(&self, (cx, cy): Cell) -> bool {
+        let off_m = |coordinate_m: f64, cell: i32| {
+            let low_m = f64::from(cell) * CELL_M;
+            (low_m - coordinate_m).max(coordinate_m - low_m - CELL_M).max(0.0)
+        };
+        let off = Point::new(off_m(self.p.x, cx), off_m(self.p.y, cy));
+        off.dot(off) <= (self.reach_m + 1e-9).powi(2)
+    }
+
+    fn look(&mut self, list: &[u32], allowed: &impl Fn(u32) -> bool) {
+        for &id in list {
+            let side = &self.grid.sides[id as usize];
+            if side.direction.dot(self.near.direction) < self.near.min_cos {
+                continue;
+            }
+            let from_start = self.p - side.segment.a;
+            // No foot is nearer than the side's line.
+            if side.direction.cross(from_start).abs() > self.reach_m + 1e-9 {
+                continue;
+            }
+            let along_m = from_start.dot(side.direction);
+            let clamped_m = along_m.clamp(0.0, side.length_m);
+            let foot = side.segment.a + side.direction * clamped_m;
+            let distance_m = foot.distance(self.p);
+            if distance_m > self.reach_m || !allowed(side.owner) {
+                continue;
+            }
+            if !self.near.beyond_ends && side.is_beyond_end(along_m) {
+                continue;
+            }
+            let is_closer = self.foot.is_none_or(|best| {
+                distance_m < best.distance_m
+                    || (distance_m <= best.distance_m && self.grid.rank(id) < self.grid.rank(best.side))
+            });
+            if is_closer {
+                self.reach_m = distance_m;
+                self.foot = Some(Foot {
+                    side: id,
+                    point: foot,
+                    share: clamped_m / side.length_m,
+                    distance_m,
+                });
+            }
+        }
     }
 }
 

@@ -1,14 +1,15 @@
 //! What has been mapped so far: keyframes, what ties them together, and the part of the map around.
 //!
 //! The map is a function of the keyframes and their poses. The part of it that the next scan is matched with (the
-//! paper's G(t−1), as far as it agrees with itself) is kept up to date scan by scan; it is made anew when poses move,
-//! when something merged is found to move, and after some way, so that it holds only keyframes between which little
-//! drift has gathered. The map of all keyframes is made when it is asked for.
+//! paper's G(t−1), as far as it agrees with itself) is kept up to date scan by scan, so that it holds only keyframes
+//! between which little drift has gathered ([`local`]). The map of all keyframes is made when it is asked for.
 
+mod local;
 mod saved;
 mod settle;
 
 use super::{Settings, Step};
+use local::Local;
 use std::sync::Arc;
 
 use crate::align::{Alignment, Information};
@@ -17,17 +18,19 @@ use crate::keyframe::{Keyframe, Seen};
 use crate::loops::graph::{Edge, optimise};
 use crate::loops::ways::ways_m;
 use crate::loops::{recognise, seen_around, ties};
-use crate::map::{EraserBox, Map};
+use crate::map::Map;
 use crate::merge::eraser::{boxes, disordered_runs};
 use crate::merge::finish::finish;
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::moving::find_moving;
-use crate::merge::{MergeReport, MergeSettings, merge, merge_all};
 
 /// Keyframes within this way along the graph make up the map around, metres. Drift stays below the gate of merging.
 const LOCAL_M: f64 = 12.0;
-/// Way after which the map around is made anew, metres.
+/// Way after which the map around is brought up to where the scanner is, metres.
 const RENEW_AFTER_M: f64 = 6.0;
+/// A keyframe to which the way has become longer than this, metres, does not stay in the map around, unless it is as far
+/// off as the crow flies.
+const DRIFTED_M: f64 = LOCAL_M + RENEW_AFTER_M;
 /// Way between two looks for a known place, metres.
 const LOOK_AFTER_M: f64 = 1.0;
 
@@ -56,22 +59,18 @@ pub(crate) struct Atlas {
     pub id: u32,
     keyframes: Vec<Keyframe>,
     edges: Vec<Edge>,
-    local: GrowingMap,
-    /// Where nothing is merged, as known when the map around was last made anew.
-    boxes: Vec<EraserBox>,
-    /// Polylines of the map around that the newest keyframe was merged into.
-    merged_into: Vec<u32>,
-    /// Merges into the map around, ever.
-    merges: u32,
+    local: Local,
     /// A closure that waits for another to agree with it.
     waiting: Option<Edge>,
-    /// Something that was merged has moved since.
-    is_stale: bool,
-    /// Keyframes that the map around was made of when it was last made anew.
+    /// Something that was merged with this keyframe, or later, has moved since.
+    stale_from: Option<usize>,
+    /// Poses have moved since the map around was made.
+    has_moved: bool,
+    /// Keyframes within reach when the map around was last brought up to where the scanner is, ascending.
     around: Vec<usize>,
     /// Way since the newest keyframe was last tied to an old one, metres.
     untied_m: f64,
-    /// Way since the map around was made anew, and since the last look for a known place, metres.
+    /// Way since the map around was brought up to where the scanner is, and since the last look for a known place, metres.
     unrenewed_m: f64,
     unlooked_m: f64,
 }
@@ -87,12 +86,12 @@ impl Atlas {
 
     /// The part of the map around.
     pub fn local(&self) -> &GrowingMap {
-        &self.local
+        self.local.map()
     }
 
     /// The polylines of it that the last scan was merged into, by slot.
     pub fn merged_into(&self) -> &[u32] {
-        &self.merged_into
+        self.local.merged_into()
     }
 
     /// The keyframes, oldest first.
@@ -170,9 +169,7 @@ impl Atlas {
         self.tie(step);
         self.take_moving_out(step, settings);
         let newest = self.keyframes.len() - 1;
-        let report = self.merge_locally(newest, &settings.merge);
-        self.merged_into.clone_from(&report.into);
-        step.merged = Some(report);
+        step.merged = Some(self.local.add(&self.keyframes, newest, settings));
     }
 
     /// Ties the newest keyframe to an old one: where the map around holds an earlier visit, the scan was aligned to that
@@ -208,25 +205,15 @@ impl Atlas {
 
     fn take_moving_out(&mut self, step: &mut Step, settings: &Settings) {
         let newest = self.keyframes.len() - 1;
-        for (keyframe, polyline) in find_moving(&self.keyframes, &self.local, &settings.moving) {
+        for (keyframe, polyline) in find_moving(&self.keyframes, self.local.map(), &settings.moving) {
             self.keyframes[keyframe].is_moving[polyline] = true;
             if keyframe == newest {
                 step.moving.push(polyline);
             } else {
-                self.is_stale = true;
+                let first = self.stale_from.map_or(keyframe, |first| first.min(keyframe));
+                self.stale_from = Some(first);
             }
         }
-    }
-
-    fn merge_locally(&mut self, keyframe: usize, settings: &MergeSettings) -> MergeReport {
-        self.merges += 1;
-        merge(
-            &mut self.local,
-            &self.keyframes[keyframe],
-            &self.boxes,
-            self.merges,
-            settings,
-        )
     }
 
     /// Looks for a known place, moves the keyframes if one is found, and makes the map around anew when it is due.
@@ -241,8 +228,14 @@ impl Atlas {
                 is_closed = self.close(edge, settings);
             }
         }
-        if is_closed || self.is_stale || self.unrenewed_m > RENEW_AFTER_M {
+        if is_closed || self.has_moved {
             self.renew_local(settings);
+        }
+        if let Some(first) = self.stale_from.take() {
+            self.local.merge_again(&self.keyframes, first, settings);
+        }
+        if self.unrenewed_m > RENEW_AFTER_M {
+            self.follow_local(settings);
         }
         self.pose(newest) * before.inverse()
     }
@@ -325,27 +318,36 @@ impl Atlas {
         }
     }
 
+    /// Makes the map around anew.
     fn renew_local(&mut self, settings: &Settings) {
-        self.boxes = boxes(&self.keyframes, &settings.eraser);
-        self.local = GrowingMap::default();
-        let around: Vec<usize> = self.keyframes_around();
-        self.around.clone_from(&around);
-        let keyframes = around.iter().map(|&k| &self.keyframes[k]);
-        let report = merge_all(&mut self.local, keyframes, &self.boxes, &settings.merge);
-        self.merges = around.len() as u32;
-        self.merged_into = report.into;
+        self.around = self.keyframes_around();
+        self.local.renew(&self.keyframes, &self.around, settings);
         self.unrenewed_m = 0.0;
-        self.is_stale = false;
+        self.stale_from = None;
+        self.has_moved = false;
+    }
+
+    /// Brings the map around up to where the scanner is now.
+    fn follow_local(&mut self, settings: &Settings) {
+        let (newest, here) = self.newest();
+        let ways = ways_m(self.keyframes.len(), &self.edges, newest, DRIFTED_M);
+        let has_drifted = |&k: &usize| ways[k].is_none() && self.pose(k).distance(here) < DRIFTED_M;
+        if self.local.order().iter().any(has_drifted) {
+            self.renew_local(settings);
+            return;
+        }
+        self.around = within(&ways, LOCAL_M);
+        self.local.take_in(&self.keyframes, &self.around, settings);
+        self.unrenewed_m = 0.0;
     }
 
     /// The keyframes that make up the map around, ascending.
     fn keyframes_around(&self) -> Vec<usize> {
         let newest = self.keyframes.len() - 1;
-        let ways = ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M);
-        ways.iter()
-            .enumerate()
-            .filter_map(|(k, way)| way.map(|_| k))
-            .collect()
+        within(
+            &ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M),
+            LOCAL_M,
+        )
     }
 
     /// The map of all keyframes, after the final pass.
@@ -363,6 +365,12 @@ fn is_doubtful(step: &Step) -> bool {
     const CLEAR_LEAD: f64 = 0.25;
     let is_settled = step.alignment.is_some() && step.hypotheses.len() == 1;
     !is_settled && step.lead.is_none_or(|lead| lead < CLEAR_LEAD)
+}
+
+/// Keyframes to which the way is no longer than `limit_m`, ascending.
+fn within(ways_m: &[Option<f64>], limit_m: f64) -> Vec<usize> {
+    let is_within = |way: &Option<f64>| way.is_some_and(|m| m <= limit_m);
+    (0..ways_m.len()).filter(|&k| is_within(&ways_m[k])).collect()
 }
 
 /// The edge between two keyframes in a row. Where the walls leave a direction open, the motion model holds it: without,

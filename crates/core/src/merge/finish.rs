@@ -15,7 +15,7 @@ use crate::map::{EraserBox, Map, MapPolyline, MapVertex};
 /// The map of all keyframes, outside the boxes.
 pub(crate) fn finish(keyframes: &[Keyframe], eraser_boxes: Vec<EraserBox>, settings: &MergeSettings) -> Map {
     let mut map = GrowingMap::default();
-    merge_all(&mut map, keyframes, &eraser_boxes, settings);
+    merge_all(&mut map, (0..).zip(keyframes), &eraser_boxes, settings);
     map.forget_looks();
     for (k, keyframe) in (0..).zip(keyframes) {
         sight::look(&mut map, &keyframe.scan, keyframe.map_from_scan, k, settings);
@@ -83,8 +83,8 @@ mod tests {
 
     #[test]
     fn two_walls_that_were_joined_over_what_nobody_saw_are_cut_apart() {
-        let near = (0..30).map(|k| Vertex::new(Point::new(0.04 * f64::from(k), 0.0)));
-        let far = (0..30).map(|k| Vertex::new(Point::new(7.0 + 0.04 * f64::from(k), -11.0)));
+        let near = (0..30).map(|k| Vertex::new(Point::new(0.04 * f64::from(k), 0.0), 0));
+        let far = (0..30).map(|k| Vertex::new(Point::new(7.0 + 0.04 * f64::from(k), -11.0), 0));
         let mut map = GrowingMap::default();
         map.add(near.chain(far).collect());
         cut_gaps(&mut map);

@@ -16,6 +16,8 @@ pub(crate) const SIDE_PENALTY: f64 = 16.0;
 /// What scans say of a side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Evidence {
+    /// Number of the earliest scan that saw it: what was not there yet is nothing to look through.
+    pub since: u32,
     /// Scans that saw it.
     pub hits: u32,
     /// Scans that looked through it, and the last one that did.
@@ -27,9 +29,10 @@ pub(crate) struct Evidence {
 }
 
 impl Evidence {
-    /// Seen by `hits` scans.
-    pub fn of(hits: u32) -> Self {
+    /// Seen by `hits` scans, the earliest of them number `since`.
+    pub fn of(hits: u32, since: u32) -> Self {
         Self {
+            since,
             hits,
             seen_through: 0,
             last_seen_through: u32::MAX,
@@ -53,11 +56,12 @@ pub(crate) struct Vertex {
 }
 
 impl Vertex {
-    pub fn new(point: Point) -> Self {
+    /// Seen by scan number `scan`.
+    pub fn new(point: Point, scan: u32) -> Self {
         Self {
             point,
             hits: 1,
-            onward: Evidence::of(1),
+            onward: Evidence::of(1, scan),
             squares_m2: 0.0,
         }
     }
@@ -199,6 +203,9 @@ impl GrowingMap {
         let Some(vertex) = Arc::make_mut(polyline).vertices.get_mut(side as usize) else {
             return;
         };
+        if scan < vertex.onward.since {
+            return;
+        }
         let (last, count) = which(&mut vertex.onward);
         if *last != scan {
             *last = scan;
@@ -206,11 +213,11 @@ impl GrowingMap {
         }
     }
 
-    /// Sets the counts of looks through all sides to zero.
+    /// Sets the counts of looks through all sides to zero; from now on all scans count.
     pub fn forget_looks(&mut self) {
         for polyline in self.slots.iter_mut().flatten() {
             for vertex in &mut Arc::make_mut(polyline).vertices {
-                vertex.onward = Evidence::of(vertex.onward.hits);
+                vertex.onward = Evidence::of(vertex.onward.hits, 0);
             }
         }
     }

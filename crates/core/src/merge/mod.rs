@@ -80,28 +80,16 @@ pub struct MergeReport {
     pub seen_through: usize,
 }
 
-/// Merges a keyframe and brings the skeletons up to date.
-pub(crate) fn merge(
-    map: &mut GrowingMap,
-    keyframe: &Keyframe,
-    erased: &[EraserBox],
-    number: u32,
-    settings: &MergeSettings,
-) -> MergeReport {
-    let report = merge_vertices(map, keyframe, erased, number, settings);
-    map.refresh_skeletons(settings.skeleton_sigma_m);
-    report
-}
-
-/// Merges keyframes one after the other, numbered from 0.
+/// Merges keyframes, given with their numbers, one after the other, and brings the skeletons up to date. Returns the
+/// report of the last.
 pub(crate) fn merge_all<'a>(
     map: &mut GrowingMap,
-    keyframes: impl IntoIterator<Item = &'a Keyframe>,
+    keyframes: impl IntoIterator<Item = (u32, &'a Keyframe)>,
     erased: &[EraserBox],
     settings: &MergeSettings,
 ) -> MergeReport {
     let mut report = MergeReport::default();
-    for (number, keyframe) in (0..).zip(keyframes) {
+    for (number, keyframe) in keyframes {
         report = merge_vertices(map, keyframe, erased, number, settings);
     }
     map.refresh_skeletons(settings.skeleton_sigma_m);
@@ -119,9 +107,15 @@ fn merge_vertices(
     let (scan, map_from_scan) = (&keyframe.scan, keyframe.map_from_scan);
     let mut report = MergeReport::default();
     for polyline in keyframe.standing_polylines() {
-        let points = simulate::scan_points(polyline, scan.geometry(), map_from_scan, settings.spacing_m);
+        let points = simulate::scan_points(
+            polyline,
+            scan.geometry(),
+            map_from_scan,
+            number,
+            settings.spacing_m,
+        );
         for stretch in points.split(|p| erased.iter().any(|b| b.contains(p.vertex.point))) {
-            thread(map, stretch, settings, &mut report);
+            thread(map, stretch, number, settings, &mut report);
         }
     }
     report.into.sort_unstable();
@@ -130,16 +124,17 @@ fn merge_vertices(
     report
 }
 
-/// Threads the points of one polyline through the map.
+/// Threads the points of one polyline, seen by scan number `number`, through the map.
 fn thread(
     map: &mut GrowingMap,
     mut points: &[ScanPoint],
+    number: u32,
     settings: &MergeSettings,
     report: &mut MergeReport,
 ) {
     while !points.is_empty() {
         let runs = link::runs(map, points, settings.gate_m);
-        let done = splice::splice(map, &runs, settings).max(1);
+        let done = splice::splice(map, &runs, number, settings).max(1);
         for run in &runs[..done.min(runs.len())] {
             let count = if run.slot.is_some() {
                 &mut report.known_points

@@ -98,7 +98,7 @@ fn merge_each(map: &mut GrowingMap, settings: &MergeSettings) -> usize {
         // One point is where two walls meet.
         if overlapping.take(2).count() == 2 {
             map.remove(slot);
-            thread(map, &points, settings, &mut MergeReport::default());
+            thread(map, &points, 0, settings, &mut MergeReport::default());
             merged += 1;
         }
     }

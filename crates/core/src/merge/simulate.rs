@@ -16,7 +16,7 @@ pub(crate) struct ScanPoint {
     pub is_vertex: bool,
 }
 
-/// The simulated scan points of one polyline, in its order, and all its vertices.
+/// The simulated scan points of one polyline of scan number `number`, in its order, and all its vertices.
 ///
 /// The paper adds the end points to the rays' points; we add every vertex, because a corner between two rays would
 /// be cut off otherwise, and leave out points nearer than `spacing_m` to the one before, which near walls would add
@@ -25,6 +25,7 @@ pub(crate) fn scan_points(
     polyline: &ScanPolyline,
     geometry: &ScanGeometry,
     map_from_scan: Pose,
+    number: u32,
     spacing_m: f64,
 ) -> Vec<ScanPoint> {
     let mut out = Vec::new();
@@ -35,7 +36,7 @@ pub(crate) fn scan_points(
         let direction = map_from_scan.rotate(direction);
         let mut push = |p: Point, is_vertex| {
             out.push(ScanPoint {
-                vertex: Vertex::new(map_from_scan * p),
+                vertex: Vertex::new(map_from_scan * p, number),
                 direction,
                 is_vertex,
             });
@@ -55,7 +56,7 @@ pub(crate) fn scan_points(
         let end = map_from_scan * polyline.polyline.last();
         if end.distance(last.vertex.point) > 1e-6 {
             out.push(ScanPoint {
-                vertex: Vertex::new(end),
+                vertex: Vertex::new(end, number),
                 is_vertex: true,
                 ..last
             });
@@ -91,7 +92,7 @@ mod tests {
             first_beam: 0,
             last_beam: 20,
         };
-        let points = scan_points(&wall, &geometry, Pose::new(1.0, 0.0, 0.0), 0.01);
+        let points = scan_points(&wall, &geometry, Pose::new(1.0, 0.0, 0.0), 0, 0.01);
         let rays = (-4..=4).map(|k| 2.0 * (0.1 * f64::from(k)).tan());
         let expected: Vec<f64> = [-1.05].into_iter().chain(rays).chain([1.05]).collect();
         assert_eq!(points.len(), expected.len());

@@ -23,6 +23,8 @@ struct Taken {
 struct Chain<'a> {
     map: &'a GrowingMap,
     settings: &'a MergeSettings,
+    /// Number of the scan.
+    number: u32,
     vertices: Vec<Vertex>,
     taken: Vec<Taken>,
     branches: Vec<Vec<Vertex>>,
@@ -31,10 +33,11 @@ struct Chain<'a> {
 /// Threads the runs of one scan polyline into the map; returns how many runs it could take. Fewer than all when the
 /// scan's polyline comes back to a stretch of the map before one it has already taken (it closes a loop): the caller
 /// goes on with the rest.
-pub(crate) fn splice(map: &mut GrowingMap, runs: &[Run], settings: &MergeSettings) -> usize {
+pub(crate) fn splice(map: &mut GrowingMap, runs: &[Run], number: u32, settings: &MergeSettings) -> usize {
     let mut chain = Chain {
         map: &*map,
         settings,
+        number,
         vertices: Vec::new(),
         taken: Vec::new(),
         branches: Vec::new(),
@@ -91,16 +94,16 @@ impl Chain<'_> {
                 let between = old.get(upto.floor() as usize + 1..before_run).unwrap_or(&[]);
                 self.branch(between);
                 self.taken[k].upto = to;
-                self.extend_apart(merged(old, run, self.settings));
+                self.extend_apart(merged(old, run, self.number, self.settings));
             }
             None => {
                 let head = &old[..before_run.min(old.len())];
                 if is_first {
                     self.vertices.extend_from_slice(head);
-                    self.vertices.extend(merged(old, run, self.settings));
+                    self.vertices.extend(merged(old, run, self.number, self.settings));
                 } else {
                     self.branch(head);
-                    self.extend_apart(merged(old, run, self.settings));
+                    self.extend_apart(merged(old, run, self.number, self.settings));
                 }
                 self.taken.push(Taken { slot, upto: to });
             }
@@ -111,7 +114,7 @@ impl Chain<'_> {
     /// Adds vertices that were not neighbours of the last one in the map: the side to them is new.
     fn extend_apart(&mut self, vertices: impl IntoIterator<Item = Vertex>) {
         if let Some(last) = self.vertices.last_mut() {
-            last.onward = Evidence::of(1);
+            last.onward = Evidence::of(1, self.number);
         }
         self.vertices.extend(vertices);
     }
@@ -144,7 +147,7 @@ impl Chain<'_> {
 ///
 /// Every vertex v of the stretch is averaged with the point of the scan closest to it (the vertex rule, the paper's
 /// Fig. 4). A scan point becomes a new vertex, averaged with its closest point of the map, where no vertex is near.
-fn merged(old: &[Vertex], run: &Run, settings: &MergeSettings) -> Vec<Vertex> {
+fn merged(old: &[Vertex], run: &Run, number: u32, settings: &MergeSettings) -> Vec<Vertex> {
     let Some((from, to)) = run.reach() else {
         return Vec::new();
     };
@@ -185,6 +188,7 @@ fn merged(old: &[Vertex], run: &Run, settings: &MergeSettings) -> Vec<Vertex> {
     let inner = out.len().saturating_sub(1);
     for vertex in &mut out[..inner] {
         vertex.onward.hits += hits;
+        vertex.onward.since = vertex.onward.since.min(number);
     }
     out
 }

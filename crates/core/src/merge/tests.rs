@@ -1,14 +1,14 @@
 //! Merging in small drawn worlds: what the paper's section 4 promises.
 
 use super::growing_map::GrowingMap;
-use super::{MergeSettings, merge, merge_all};
+use super::{MergeSettings, merge_all};
 use crate::geometry::Pose;
 use crate::keyframe::Keyframe;
 use crate::keyframe::drawn::{Wall, keyframe};
 
 fn merged(keyframes: &[Keyframe]) -> GrowingMap {
     let mut map = GrowingMap::default();
-    merge_all(&mut map, keyframes, &[], &MergeSettings::default());
+    merge_all(&mut map, (0..).zip(keyframes), &[], &MergeSettings::default());
     map
 }
 
@@ -88,8 +88,11 @@ fn a_door_that_opened_gives_two_polylines() {
     let open: Wall = &[(2.0, -3.0), (2.0, 0.0), (1.5, 0.866)];
     let mut map = GrowingMap::default();
     let settings = MergeSettings::default();
-    merge(&mut map, &keyframe(&[shut], Pose::IDENTITY), &[], 0, &settings);
-    merge(&mut map, &keyframe(&[open], Pose::IDENTITY), &[], 1, &settings);
+    let keyframes = [
+        keyframe(&[shut], Pose::IDENTITY),
+        keyframe(&[open], Pose::IDENTITY),
+    ];
+    merge_all(&mut map, (0..).zip(&keyframes), &[], &settings);
     let lengths = lengths_m(&map);
     assert_eq!(lengths.len(), 2, "{lengths:?}");
     assert!(

@@ -104,7 +104,11 @@ mod tests {
     fn map(walls: &[&[(f64, f64)]]) -> GrowingMap {
         let mut map = GrowingMap::default();
         for wall in walls {
-            map.add(wall.iter().map(|&(x, y)| Vertex::new(Point::new(x, y))).collect());
+            map.add(
+                wall.iter()
+                    .map(|&(x, y)| Vertex::new(Point::new(x, y), 0))
+                    .collect(),
+            );
         }
         map.refresh_skeletons(0.01);
         map

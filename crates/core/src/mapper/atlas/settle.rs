@@ -30,7 +30,7 @@ impl Atlas {
             self.optimise();
             self.adjust(settings);
         }
-        self.is_stale = true;
+        self.has_moved = true;
         self.pose(newest) * before.inverse()
     }
 
@@ -56,7 +56,7 @@ impl Atlas {
     fn walls(&self, settings: &Settings) -> SideGrid {
         let erased = boxes(&self.keyframes, &settings.eraser);
         let mut map = GrowingMap::default();
-        merge_all(&mut map, &self.keyframes, &erased, &settings.merge);
+        merge_all(&mut map, (0..).zip(&self.keyframes), &erased, &settings.merge);
         refit(&mut map, &self.keyframes, &settings.merge);
         map.skeleton
     }

@@ -1,0 +1,145 @@
+//! Numbers kept by cell of the plane, found again by cell.
+//!
+//! Cells are kept in blocks of 8 × 8. A ray mostly stays in a block from one cell to the next, and a bit for each cell
+//! tells whether there is anything in it; most cells of a floor are empty.
+
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+use super::cells::Cell;
+
+/// Cells along an edge of a block, as a power of two.
+const BLOCK_BITS: i32 = 3;
+/// Cells of a block.
+const BLOCK_CELLS: usize = 1 << (2 * BLOCK_BITS);
+
+/// See the module.
+#[derive(Clone, Default)]
+pub(super) struct CellLists {
+    blocks: Vec<Block>,
+    of_place: HashMap<u64, u32, BuildHasherDefault<PlaceHasher>>,
+}
+
+#[derive(Clone)]
+struct Block {
+    /// A bit for each cell that holds something.
+    occupied: u64,
+    cells: [Vec<u32>; BLOCK_CELLS],
+}
+
+fn place_of((x, y): Cell) -> u64 {
+    (u64::from((x >> BLOCK_BITS) as u32) << 32) | u64::from((y >> BLOCK_BITS) as u32)
+}
+
+fn within((x, y): Cell) -> usize {
+    const MASK: i32 = (1 << BLOCK_BITS) - 1;
+    (((y & MASK) << BLOCK_BITS) | (x & MASK)) as usize
+}
+
+impl CellLists {
+    /// Adds a number to a cell.
+    pub fn add(&mut self, cell: Cell, number: u32) {
+        let block = *self.of_place.entry(place_of(cell)).or_insert_with(|| {
+            self.blocks.push(Block {
+                occupied: 0,
+                cells: [const { Vec::new() }; BLOCK_CELLS],
+            });
+            (self.blocks.len() - 1) as u32
+        });
+        let block = &mut self.blocks[block as usize];
+        let k = within(cell);
+        block.occupied |= 1 << k;
+        block.cells[k].push(number);
+    }
+
+    /// Takes a number out of a cell.
+    pub fn remove(&mut self, cell: Cell, number: u32) {
+        let Some(&block) = self.of_place.get(&place_of(cell)) else {
+            return;
+        };
+        let block = &mut self.blocks[block as usize];
+        let k = within(cell);
+        let list = &mut block.cells[k];
+        if let Some(at) = list.iter().position(|&n| n == number) {
+            list.swap_remove(at);
+        }
+        if list.is_empty() {
+            block.occupied &= !(1 << k);
+        }
+    }
+
+    /// For looking into cells near each other.
+    pub fn reader(&self) -> Reader<'_> {
+        Reader {
+            lists: self,
+            place: None,
+            block: None,
+        }
+    }
+}
+
+/// Looks into cells; remembers the block of the last one.
+pub(super) struct Reader<'a> {
+    lists: &'a CellLists,
+    place: Option<u64>,
+    block: Option<&'a Block>,
+}
+
+impl<'a> Reader<'a> {
+    /// What a cell holds, in no order.
+    #[inline]
+    pub fn get(&mut self, cell: Cell) -> &'a [u32] {
+        let place = place_of(cell);
+        if self.place != Some(place) {
+            self.place = Some(place);
+            let number = self.lists.of_place.get(&place);
+            self.block = number.map(|&k| &self.lists.blocks[k as usize]);
+        }
+        let k = within(cell);
+        match self.block {
+            Some(block) if block.occupied >> k & 1 != 0 => &block.cells[k],
+            _ => &[],
+        }
+    }
+}
+
+/// Places of blocks are small integers: one multiplication mixes them well enough and is ten times faster than SipHash.
+#[derive(Clone, Copy, Default)]
+struct PlaceHasher(u64);
+
+impl Hasher for PlaceHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+    fn write(&mut self, bytes: &[u8]) {
+        for &b in bytes {
+            self.write_u64(u64::from(b));
+        }
+    }
+    fn write_u64(&mut self, key: u64) {
+        let mixed = (self.0 ^ key).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        self.0 = mixed ^ (mixed >> 29);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_put_into_a_cell_is_there_and_nowhere_else() {
+        let mut lists = CellLists::default();
+        for k in -20..20 {
+            lists.add((k, 3 * k), (k + 20) as u32);
+        }
+        lists.add((0, 0), 99);
+        lists.remove((0, 0), 20);
+        lists.remove((5, 15), 25);
+        let mut reader = lists.reader();
+        assert_eq!(reader.get((0, 0)), [99]);
+        assert!(reader.get((5, 15)).is_empty());
+        assert!(reader.get((1, 0)).is_empty());
+        assert_eq!(reader.get((-20, -60)), [0]);
+        assert_eq!(reader.get((19, 57)), [39]);
+    }
+}
