@@ -10,5 +10,5 @@ mod ties;
 pub(crate) mod ways;
 
 pub use recognise::RecogniseSettings;
-pub(crate) use recognise::{Lookup, find_in, recognise, seen_around};
+pub(crate) use recognise::{Lookup, Recognised, find_in, recognise, seen_around};
 pub(crate) use ties::ties;
