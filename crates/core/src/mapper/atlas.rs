@@ -7,13 +7,13 @@
 
 mod saved;
 
-use super::{Settings, Step};
+use super::{Revoked, Settings, Step};
 use std::sync::Arc;
 
 use crate::align::{Alignment, Information};
 use crate::geometry::{Pose, wrap_rad};
 use crate::keyframe::{Keyframe, Seen};
-use crate::loops::graph::{Edge, optimise};
+use crate::loops::graph::{Edge, contradicted, optimise};
 use crate::loops::ways::ways_m;
 use crate::loops::{Recognised, recognise, seen_around, ties};
 use crate::map::{EraserBox, Map};
@@ -238,7 +238,10 @@ impl Atlas {
             self.unlooked_m = 0.0;
             if let Some(found) = self.known_place(settings) {
                 is_closed = self.close(found, settings);
-                step.recognised = is_closed.then(|| self.keyframes[found.edge.from].number);
+                if is_closed {
+                    step.recognised = Some(self.keyframes[found.edge.from].number);
+                    step.revoked = self.revoke();
+                }
             }
         }
         if is_closed || self.is_stale || self.unrenewed_m > RENEW_AFTER_M {
@@ -270,6 +273,29 @@ impl Atlas {
         self.optimise();
         self.tie_visits(settings);
         true
+    }
+
+    /// Takes closures out of the graph that all the others contradict.
+    pub fn revoke(&mut self) -> Vec<Revoked> {
+        let poses: Vec<Pose> = self.keyframes.iter().map(|k| k.map_from_scan).collect();
+        let contradicted = contradicted(&poses, &self.edges);
+        let told = |&k: &usize| {
+            let edge = &self.edges[k];
+            Revoked {
+                scan: self.keyframes[edge.to].number,
+                recognised: self.keyframes[edge.from].number,
+                off_m: (poses[edge.from] * edge.motion).distance(poses[edge.to]),
+                sigmas: edge.square(&poses).sqrt(),
+            }
+        };
+        let revoked = contradicted.iter().map(told).collect();
+        for &k in contradicted.iter().rev() {
+            self.edges.remove(k);
+        }
+        if !contradicted.is_empty() {
+            self.optimise();
+        }
+        revoked
     }
 
     /// Ties the keyframes of the last metres to the earlier visit of the place that was recognised.
