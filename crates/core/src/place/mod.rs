@@ -15,6 +15,7 @@
 
 pub(crate) mod judge;
 mod motion;
+pub(crate) mod open;
 pub(crate) mod search;
 mod stage;
 mod virtual_scan;
