@@ -10,12 +10,10 @@
 use super::atlas::Atlas;
 use super::left::Left;
 use super::{NotPlaced, Outcome, Settings, Step};
-use crate::align::{Alignment, Information};
 use crate::geometry::Pose;
 use crate::join::SavedMap;
 use crate::keyframe::Seen;
 use crate::map::Map;
-use crate::place::open::Open;
 use crate::place::{Answer, Motion, Placement, Question, place};
 
 /// See the module.
@@ -116,7 +114,7 @@ impl Track {
         match &mut self.motion {
             Some(motion) => {
                 let walls = match way {
-                    Way::On(Some(p)) | Way::Back(_, p) => Some(told(&p.alignment, motion)),
+                    Way::On(Some(p)) | Way::Back(_, p) => Some(p.alignment.information),
                     _ => None,
                 };
                 motion.advance(pose, walls.as_ref());
@@ -261,13 +259,6 @@ impl Track {
     pub fn map(&self, settings: &Settings) -> Map {
         self.main().map(settings)
     }
-}
-
-/// What the walls say of the pose, without what is not to be believed.
-fn told(alignment: &Alignment, motion: &Motion) -> Information {
-    let information = alignment.information;
-    let open = Open::of(alignment).filter(|_| motion.is_smooth());
-    open.map_or(information, |open| open.taken_out(&information))
 }
 
 fn place_in(atlas: &Atlas, motion: &Motion, seen: &Seen, settings: &Settings) -> Answer {

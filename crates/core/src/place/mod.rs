@@ -15,7 +15,6 @@
 
 pub(crate) mod judge;
 mod motion;
-pub(crate) mod open;
 pub(crate) mod search;
 mod stage;
 mod virtual_scan;

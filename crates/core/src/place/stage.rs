@@ -3,10 +3,9 @@
 use std::cell::OnceCell;
 
 use super::judge::judge;
-use super::open::Open;
 use super::search::{Field, Window, search};
 use super::{Motion, PlaceSettings, Placement, thinned};
-use crate::align::{AlignSettings, Alignment, Guess, Prior, SidePoint, align_to_grid};
+use crate::align::{AlignSettings, Alignment, Guess, SidePoint, align_to_grid};
 use crate::geometry::{SideGrid, wrap_rad};
 use crate::matching::{PoseGaussian, unmoved};
 
@@ -58,16 +57,15 @@ impl<'a> Stage<'a> {
     /// Aligns from a guess and judges the result. The guess is its own prior: along a corridor the scan stays where
     /// it was guessed to be, instead of sliding to where the noise of the walls would have it.
     pub fn aligned(&self, guess: &Guess) -> Option<Placement> {
-        let from =
-            |prior: &Prior| align_to_grid(self.points, self.map, |_, _| true, guess, Some(prior), self.align);
         let prior = guess.prior();
-        let mut alignment = from(&prior)?;
-        if self.motion.is_smooth()
-            && let Some(open) = Open::of(&alignment)
-        {
-            let information = prior.information.plus(&open.held(&alignment.information));
-            alignment = from(&Prior { information, ..prior })?;
-        }
+        let alignment = align_to_grid(
+            self.points,
+            self.map,
+            |_, _| true,
+            guess,
+            Some(&prior),
+            self.align,
+        )?;
         let agreement = judge(
             self.points,
             self.map,
