@@ -10,12 +10,21 @@ use std::path::Path;
 use closures::{Start, built, inject};
 
 fn main() -> Result<(), polymapper_io::log::LogError> {
-    println!("log                        run seed closures false revoked lost   error m: without   with  change  shift m");
+    println!(
+        "log                        run seed closures false revoked lost   error m: without   with  change  shift m"
+    );
     for name in std::env::args().skip(1) {
         let path = Path::new(&name);
         let built = built(path)?;
-        let name = path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned());
-        for (start, run) in [(Start::Settled, 1), (Start::Settled, 5), (Start::Drifted, 1), (Start::Drifted, 5)] {
+        let name = path
+            .file_name()
+            .map_or_else(String::new, |n| n.to_string_lossy().into_owned());
+        for (start, run) in [
+            (Start::Settled, 1),
+            (Start::Settled, 5),
+            (Start::Drifted, 1),
+            (Start::Drifted, 5),
+        ] {
             for seed in 1..=5 {
                 let h = inject(&built, start, 0.1, run, seed);
                 println!(

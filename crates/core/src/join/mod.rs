@@ -18,8 +18,8 @@ use crate::locate::{LocateSettings, Locator};
 use crate::loops::graph::Edge;
 use crate::loops::ties;
 use crate::map::Map;
-use crate::mapper::{Revoked, Settings};
 use crate::mapper::atlas::Atlas;
+use crate::mapper::{Revoked, Settings};
 use crate::scan::Scan;
 use votes::{Found, Placed, choose, look};
 

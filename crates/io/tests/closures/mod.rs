@@ -20,7 +20,10 @@ pub struct Built {
 pub fn built(path: &Path) -> Result<Built, LogError> {
     let mut mapper = Mapper::new(Settings::default());
     let mut poses = Vec::new();
-    let options = ReadOptions { use_odometry: true, ..ReadOptions::default() };
+    let options = ReadOptions {
+        use_odometry: true,
+        ..ReadOptions::default()
+    };
     for entry in log::open(path, options)? {
         if let Entry::Scan(entry) = entry? {
             mapper.add_scan(&entry.scan, None);
@@ -75,7 +78,8 @@ pub fn inject(built: &Built, start: Start, share: f64, run: usize, seed: u64) ->
     let loops: Vec<SavedEdge> = built.saved.edges.iter().filter(|e| e.is_loop).copied().collect();
     let wanted = (share * loops.len() as f64).round() as usize;
     let mut with = without.clone();
-    with.edges.extend(false_closures(built, &loops, wanted, run, seed));
+    with.edges
+        .extend(false_closures(built, &loops, wanted, run, seed));
     let injected = with.edges.len() - built.saved.edges.len();
     with.settle(&Settings::default());
     without.settle(&Settings::default());
@@ -85,7 +89,9 @@ pub fn inject(built: &Built, start: Start, share: f64, run: usize, seed: u64) ->
     };
     let left = count(&with, true).saturating_sub(count(&without, true));
     let shifts = with.keyframes.iter().zip(&without.keyframes);
-    let shift_m: f64 = shifts.map(|(a, b)| a.map_from_scan.distance(b.map_from_scan)).sum();
+    let shift_m: f64 = shifts
+        .map(|(a, b)| a.map_from_scan.distance(b.map_from_scan))
+        .sum();
     Harm {
         right: loops.len(),
         injected,
@@ -100,7 +106,10 @@ pub fn inject(built: &Built, start: Start, share: f64, run: usize, seed: u64) ->
 /// Moves every keyframe to where the motion since the one before puts it.
 fn drift(map: &mut SavedMap) {
     for to in 1..map.keyframes.len() {
-        let step = map.edges.iter().find(|e| !e.is_loop && e.to == to && e.from + 1 == to);
+        let step = map
+            .edges
+            .iter()
+            .find(|e| !e.is_loop && e.to == to && e.from + 1 == to);
         let motion = step.map_or_else(
             || map.keyframes[to - 1].map_from_scan.inverse() * map.keyframes[to].map_from_scan,
             |e| e.motion,
@@ -113,7 +122,13 @@ fn drift(map: &mut SavedMap) {
 /// Closures between places that are truly ten metres apart and more. One in a run says by chance that the scanner stood
 /// within a metre of the old place, in any heading; the others that it moved on from there as it did, as a corridor that looks
 /// like another makes believe. They are as sure as a right one.
-fn false_closures(built: &Built, right: &[SavedEdge], wanted: usize, run: usize, seed: u64) -> Vec<SavedEdge> {
+fn false_closures(
+    built: &Built,
+    right: &[SavedEdge],
+    wanted: usize,
+    run: usize,
+    seed: u64,
+) -> Vec<SavedEdge> {
     let mut dice = Dice(seed);
     let pose = |k: usize| built.saved.keyframes[k].map_from_scan;
     let count = built.saved.keyframes.len();
