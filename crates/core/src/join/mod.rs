@@ -18,8 +18,8 @@ use crate::locate::{LocateSettings, Locator};
 use crate::loops::graph::Edge;
 use crate::loops::ties;
 use crate::map::Map;
-use crate::mapper::Settings;
 use crate::mapper::atlas::Atlas;
+use crate::mapper::{Revoked, Settings};
 use crate::scan::Scan;
 use votes::{Found, Placed, choose, look};
 
@@ -138,6 +138,16 @@ impl SavedMap {
     #[must_use]
     pub fn map(&self, settings: &Settings) -> Map {
         Atlas::restored(self, settings).map(settings)
+    }
+
+    /// Moves the keyframes so that they agree with all edges, and takes out the recognised places that all others contradict.
+    /// Returns those.
+    pub fn settle(&mut self, settings: &Settings) -> Vec<Revoked> {
+        let mut atlas = Atlas::restored(self, settings);
+        atlas.optimise();
+        let revoked = atlas.revoke();
+        *self = atlas.saved();
+        revoked
     }
 
     /// Joins `second` to this map. `scans_before` is the number of scans of this map's log: those of the second are counted on.

@@ -62,7 +62,7 @@ pub(crate) fn recognise(
     local_m: f64,
     align: &AlignSettings,
     settings: &RecogniseSettings,
-) -> Option<Edge> {
+) -> Option<Recognised> {
     let newest = keyframes.len().checked_sub(1)?;
     let travelled = |k: usize| ways_m[k].unwrap_or(f64::INFINITY);
     let drift = |k: usize| Drift::after(travelled(k), settings);
@@ -78,13 +78,25 @@ pub(crate) fn recognise(
     let views: Vec<View> = recent.iter().map(|&k| View::new(&keyframes[k], here)).collect();
     let matched = place.locate(&views, here, drift(old), align, settings)?;
     let old_pose = keyframes[old].map_from_scan;
-    Some(Edge {
-        from: old,
-        to: newest,
-        motion: old_pose.inverse() * matched.map_from_scan,
-        information: matched.information.turned(-old_pose.theta_rad),
-        is_loop: true,
+    Some(Recognised {
+        edge: Edge {
+            from: old,
+            to: newest,
+            motion: old_pose.inverse() * matched.map_from_scan,
+            information: matched.information.turned(-old_pose.theta_rad),
+            is_loop: true,
+        },
+        is_far: drift(old).squares(matched.map_from_scan, here) > SOME_SQUARES,
     })
+}
+
+/// A place that was recognised.
+#[derive(Clone, Copy)]
+pub(crate) struct Recognised {
+    /// From the old keyframe to the newest.
+    pub edge: Edge,
+    /// Whether it asks for more drift than is usual after such a way.
+    pub is_far: bool,
 }
 
 /// A place of one map that is looked for in another.
@@ -171,6 +183,13 @@ impl Drift {
 const MOST_SQUARES: f64 = 16.3;
 /// What a pose one standard deviation of drift away loses of its score.
 const LOSS_PER_SQUARE: f64 = 0.02;
+
+/// From so many squared standard deviations on, a pose must not have one nearer that fits: nine in ten closures of seven logs
+/// ask for less.
+const SOME_SQUARES: f64 = 2.0;
+/// Share of the beams that the old place must say something of there, and how much worse the fit may be.
+const NEARER_KNOWN: f64 = 0.08;
+const NEARER_FIT: f64 = 0.05;
 
 /// Scans whose middles are farther apart than this, besides the drift, show different things.
 const SAME_VIEW_M: f64 = 3.0;
@@ -308,10 +327,58 @@ impl Place {
             && drift.squares(pose, here) < MOST_SQUARES
             && agreement.fit() >= settings.least_fit
             && agreement.known_share() >= settings.least_known
-            && is_alone;
+            && is_alone
+            && !self.fits_nearer(views, &points, (pose, agreement.fit()), here, drift, align);
         believed.then_some(Matched {
             map_from_scan: pose,
             information: alignment.information,
+        })
+    }
+
+    /// Whether the scans fit as well at a pose much nearer to where the scanner should be. Less of the old place may be seen
+    /// from there, so that it does not stand out by its score; but a place that contradicts nothing and asks for little
+    /// drift is to be believed rather than one that looks alike and asks for much.
+    fn fits_nearer(
+        &self,
+        views: &[View],
+        points: &[SidePoint],
+        (far, fit): (Pose, f64),
+        here: Pose,
+        drift: Drift,
+        align: &AlignSettings,
+    ) -> bool {
+        if drift.squares(far, here) < SOME_SQUARES {
+            return false;
+        }
+        let half_m = 0.5 * far.distance(here);
+        let reach_m = points.iter().map(|p| p.point.norm()).fold(0.0, f64::max) + half_m;
+        let Some(field) = Field::new(self.sides.sides().map(|s| s.segment), here.translation(), reach_m)
+        else {
+            return false;
+        };
+        let window = Window {
+            centre: here,
+            half_m,
+            half_rad: drift.window_rad,
+            wanted: 4,
+            min_score: 0.1,
+        };
+        let guess = |map_from_scan, sigma_m| Guess {
+            map_from_scan,
+            sigma_m,
+            sigma_rad: 0.02,
+        };
+        let found = search(&field, &sparse(points), &window);
+        let guesses = found.iter().map(|c| guess(c.map_from_scan, 0.07));
+        guesses.chain([guess(here, 0.15)]).any(|guess| {
+            let Some(alignment) = align_to_grid(points, &self.sides, |_, _| true, &guess, None, align) else {
+                return false;
+            };
+            let near = alignment.map_from_scan;
+            let agreement = self.agreement(views, near);
+            drift.squares(near, here) < 0.5 * drift.squares(far, here)
+                && agreement.known_share() >= NEARER_KNOWN
+                && agreement.fit() >= fit - NEARER_FIT
         })
     }
 

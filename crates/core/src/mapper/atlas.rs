@@ -8,16 +8,16 @@ mod local;
 mod saved;
 mod settle;
 
-use super::{Settings, Step};
+use super::{Revoked, Settings, Step};
 use local::Local;
 use std::sync::Arc;
 
 use crate::align::{Alignment, Information};
 use crate::geometry::{Pose, wrap_rad};
 use crate::keyframe::{Keyframe, Seen};
-use crate::loops::graph::{Edge, optimise};
+use crate::loops::graph::{Edge, contradicted, optimise};
 use crate::loops::ways::ways_m;
-use crate::loops::{recognise, seen_around, ties};
+use crate::loops::{Recognised, recognise, seen_around, ties};
 use crate::map::Map;
 use crate::merge::eraser::{boxes, disordered_runs};
 use crate::merge::finish::finish;
@@ -43,6 +43,8 @@ const TIE_SIGMA_RAD: f64 = 0.003;
 
 /// Two closures within a few metres of each other agree when they differ by less than this, metres.
 const AGREE_M: f64 = 0.4;
+/// Closures that ask for more drift than is usual must agree over this way, metres: one that looks alike slides along.
+const CONFIRM_FAR_M: f64 = 4.0;
 
 /// A scan is merged when the scanner has moved or turned so far since the last merged one (metres, radians), ...
 const KEYFRAME_M: f64 = 0.25;
@@ -60,8 +62,8 @@ pub(crate) struct Atlas {
     keyframes: Vec<Keyframe>,
     edges: Vec<Edge>,
     local: Local,
-    /// A closure that waits for another to agree with it.
-    waiting: Option<Edge>,
+    /// Closures that agree with each other and wait for another to agree with them.
+    waiting: Vec<Edge>,
     /// Something that was merged with this keyframe, or later, has moved since.
     stale_from: Option<usize>,
     /// Poses have moved since the map around was made.
@@ -109,7 +111,7 @@ impl Atlas {
             information: loosened(&edge.information),
             ..edge
         });
-        self.waiting = None;
+        self.waiting.clear();
         self.renew_local(settings);
         (here_from_other, offset)
     }
@@ -223,9 +225,12 @@ impl Atlas {
         let mut is_closed = false;
         if self.unlooked_m > LOOK_AFTER_M {
             self.unlooked_m = 0.0;
-            if let Some(edge) = self.known_place(settings) {
-                step.recognised = Some(self.keyframes[edge.from].number);
-                is_closed = self.close(edge, settings);
+            if let Some(found) = self.known_place(settings) {
+                is_closed = self.close(found, settings);
+                if is_closed {
+                    step.recognised = Some(self.keyframes[found.edge.from].number);
+                    step.revoked = self.revoke();
+                }
             }
         }
         if is_closed || self.has_moved {
@@ -240,22 +245,52 @@ impl Atlas {
         self.pose(newest) * before.inverse()
     }
 
-    /// Takes a closure into the graph, at once if it moves things little, else when the next one agrees with it.
+    /// Takes a closure into the graph, at once if it moves things little, else when others agree with it.
     /// Returns whether poses moved.
-    fn close(&mut self, edge: Edge, settings: &Settings) -> bool {
-        let waiting = self.waiting.take();
-        if self.jump_m(&edge) > settings.recognise.confirm_beyond_m {
-            let agrees = |w: &Edge| self.disagreement_m(w, &edge) < AGREE_M;
-            if !waiting.as_ref().is_some_and(agrees) {
-                self.waiting = Some(edge);
-                return false;
-            }
-            self.edges.extend(waiting);
+    fn close(&mut self, found: Recognised, settings: &Settings) -> bool {
+        let Recognised { edge, is_far } = found;
+        if self
+            .waiting
+            .iter()
+            .any(|w| self.disagreement_m(w, &edge) > AGREE_M)
+        {
+            self.waiting.clear();
         }
-        self.edges.push(edge);
+        self.waiting.push(edge);
+        let is_near = self.jump_m(&edge) <= settings.recognise.confirm_beyond_m;
+        let first_m = self.keyframes[self.waiting[0].to].way_m;
+        let way_m = self.keyframes[edge.to].way_m - first_m;
+        let is_confirmed = self.waiting.len() > 1 && (!is_far || way_m >= CONFIRM_FAR_M);
+        if !is_confirmed && (is_far || !is_near) {
+            return false;
+        }
+        self.edges.append(&mut self.waiting);
         self.optimise();
         self.tie_visits(settings);
         true
+    }
+
+    /// Takes closures out of the graph that all the others contradict.
+    pub fn revoke(&mut self) -> Vec<Revoked> {
+        let poses: Vec<Pose> = self.keyframes.iter().map(|k| k.map_from_scan).collect();
+        let contradicted = contradicted(&poses, &self.edges);
+        let told = |&k: &usize| {
+            let edge = &self.edges[k];
+            Revoked {
+                scan: self.keyframes[edge.to].number,
+                recognised: self.keyframes[edge.from].number,
+                off_m: (poses[edge.from] * edge.motion).distance(poses[edge.to]),
+                sigmas: edge.square(&poses).sqrt(),
+            }
+        };
+        let revoked = contradicted.iter().map(told).collect();
+        for &k in contradicted.iter().rev() {
+            self.edges.remove(k);
+        }
+        if !contradicted.is_empty() {
+            self.optimise();
+        }
+        revoked
     }
 
     /// Ties the keyframes of the last metres to the earlier visit of the place that was recognised.
@@ -293,19 +328,23 @@ impl Atlas {
         by_a.distance(self.pose(b.from) * b.motion)
     }
 
-    fn known_place(&self, settings: &Settings) -> Option<Edge> {
+    fn known_place(&self, settings: &Settings) -> Option<Recognised> {
         let newest = self.keyframes.len() - 1;
         let ways = ways_m(self.keyframes.len(), &self.edges, newest, f64::INFINITY);
-        let edge = recognise(
+        let found = recognise(
             &self.keyframes,
             &ways,
             2.0 * LOCAL_M,
             &settings.align,
             &settings.recognise,
         )?;
-        Some(Edge {
-            information: loosened(&edge.information),
-            ..edge
+        let information = loosened(&found.edge.information);
+        Some(Recognised {
+            edge: Edge {
+                information,
+                ..found.edge
+            },
+            ..found
         })
     }
 

@@ -48,7 +48,7 @@ use track::Track;
 use tracks::{Onward, onward};
 
 pub use settings::Settings;
-pub use step::{Hypothesis, NotPlaced, Outcome, Stage, Step};
+pub use step::{Hypothesis, NotPlaced, Outcome, Revoked, Stage, Step};
 
 /// Builds a map scan by scan.
 pub struct Mapper {

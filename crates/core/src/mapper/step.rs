@@ -1,3 +1,4 @@
+use std::fmt;
 use std::sync::Arc;
 
 use super::track::Way;
@@ -76,6 +77,34 @@ pub struct Hypothesis {
     pub merit: f64,
 }
 
+/// A place that was recognised, and no longer counts: what was measured since, or before, contradicts it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Revoked {
+    /// Number of the scan that was recognised to be at an old place.
+    pub scan: usize,
+    /// Number of the old scan.
+    pub recognised: usize,
+    /// How far the scan lies from where the place would have it, metres.
+    pub off_m: f64,
+    /// The same in standard deviations of what the walls said, heading included.
+    pub sigmas: f64,
+}
+
+impl fmt::Display for Revoked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            scan,
+            recognised,
+            off_m,
+            sigmas,
+        } = self;
+        write!(
+            f,
+            "scan {scan} is not at the place of scan {recognised}: by all others it is {off_m:.2} m away, {sigmas:.0} standard deviations"
+        )
+    }
+}
+
 /// Everything that happened to one scan.
 #[derive(Clone, Debug)]
 pub struct Step {
@@ -105,6 +134,8 @@ pub struct Step {
     pub moving: Vec<usize>,
     /// Number of the old scan at whose place this one was recognised to be.
     pub recognised: Option<usize>,
+    /// Places recognised before that do not count any more, and why.
+    pub revoked: Vec<Revoked>,
 }
 
 impl Step {
@@ -124,6 +155,7 @@ impl Step {
             merged: None,
             moving: Vec::new(),
             recognised: None,
+            revoked: Vec::new(),
         }
     }
 

@@ -39,7 +39,7 @@ impl Edge {
     }
 
     /// Squared residual in standard deviations.
-    fn square(&self, poses: &[Pose]) -> f64 {
+    pub fn square(&self, poses: &[Pose]) -> f64 {
         self.information.quadratic(self.residual(poses))
     }
 
@@ -75,7 +75,9 @@ const SHRINK: f64 = 0.1;
 ///
 /// The scale of ρ begins wide and shrinks to 1 (graduated non-convexity, Yang et al. 2020). Cauchy's ρ alone leaves an edge that
 /// begins 30 standard deviations off a weight of 1/1000: a right closure of half a metre at the end of a long corridor
-/// would not pull (raw aces, closed loops: 0.107 m without, 0.054 m with).
+/// would not pull (raw aces, closed loops: 0.107 m without, 0.054 m with). The cost at scale 1 may end higher than it began: a wrong
+/// closure with all its ties gives way to right ones so. (Going back to where it began in that case lost 44 more scans of one
+/// log, and doubled the error of another's loops.)
 pub(crate) fn optimise(poses: &mut [Pose], edges: &[Edge]) -> (f64, f64) {
     let total = |poses: &[Pose]| edges.iter().map(|e| e.cost(poses, 1.0).0).sum::<f64>();
     let before = total(poses);
@@ -121,6 +123,16 @@ fn descend(poses: &mut [Pose], edges: &[Edge], scale: f64) {
             break;
         }
     }
+}
+
+/// A loop edge with a larger squared residual than this is false. In eleven real logs the worst of 1400 loop edges ends at 27;
+/// at 100, ten standard deviations, ρ has left it a weight of 1/100.
+const FALSE_BEYOND: f64 = 100.0;
+
+/// The loop edges that the others contradict once the poses have settled, by their place among the edges.
+pub(crate) fn contradicted(poses: &[Pose], edges: &[Edge]) -> Vec<usize> {
+    let is_false = |e: &Edge| e.is_loop && e.square(poses) > FALSE_BEYOND;
+    (0..edges.len()).filter(|&k| is_false(&edges[k])).collect()
 }
 
 fn linearise(poses: &[Pose], edges: &[Edge], scale: f64, damping: f64) -> System {
@@ -215,6 +227,7 @@ mod tests {
             .map(|(p, t)| p.distance(*t))
             .fold(0.0, f64::max);
         assert!(worst < 0.2, "{worst}");
+        assert_eq!(contradicted(&poses, &edges), [17]);
     }
 
     /// Ten rounds of a corridor round a block, 40 m each, tied to the round before at every corner but with drift.
