@@ -46,6 +46,10 @@ const AGREE_M: f64 = 0.4;
 /// Closures that ask for more drift than is usual must agree over this way, metres: one that looks alike slides along.
 const CONFIRM_FAR_M: f64 = 4.0;
 
+/// How far somebody goes and turns while he is lost: standard deviations, metres and radians.
+const LOST_M: f64 = 1.5;
+const LOST_RAD: f64 = 0.6;
+
 /// A scan is merged when the scanner has moved or turned so far since the last merged one (metres, radians), ...
 const KEYFRAME_M: f64 = 0.25;
 const KEYFRAME_RAD: f64 = 0.17;
@@ -101,19 +105,30 @@ impl Atlas {
         &self.keyframes
     }
 
-    /// Takes in another map, tied to this one by `edge` (from a keyframe of this map to one of the other). Returns the
-    /// other's pose in this one's frame, and the number that its first keyframe gets.
-    pub fn absorb(&mut self, other: Self, edge: Edge, settings: &Settings) -> (Pose, usize) {
+    /// Takes in another map, tied to this one by `edge` (from a keyframe of this map to one of the other); its first
+    /// keyframe was expected at `begun`, give or take the way of somebody who is lost. Returns the motion of the other map's
+    /// frame into this one's, by its newest keyframe, and the number that its first keyframe gets.
+    pub fn absorb(&mut self, other: Self, edge: Edge, begun: Pose, settings: &Settings) -> (Pose, usize) {
         let here_from_other = self.pose(edge.from) * edge.motion * other.pose(edge.to).inverse();
+        let (last, last_pose) = self.newest();
+        let (_, other_newest) = other.newest();
         let offset = self.append(other, here_from_other, 0);
+        self.edges.push(Edge {
+            from: last,
+            to: offset,
+            motion: last_pose.inverse() * begun,
+            information: Information::from_sigmas(LOST_M, LOST_M, LOST_RAD),
+            is_loop: true,
+        });
         self.edges.push(Edge {
             to: edge.to + offset,
             information: loosened(&edge.information),
             ..edge
         });
         self.waiting.clear();
+        self.optimise();
         self.renew_local(settings);
-        (here_from_other, offset)
+        (self.newest().1 * other_newest.inverse(), offset)
     }
 
     /// Number and pose of the newest keyframe; the map's frame when there is none.

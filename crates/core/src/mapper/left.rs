@@ -1,7 +1,8 @@
 //! Maps that were left when the scanner was lost, and how the present one is found in them.
 //!
 //! In: the keyframes of the present map. Out: an edge that ties it to the one that was left, when its scans fit there
-//! in exactly one way: first where the scanner was lost, then at one other place a keyframe.
+//! in exactly one way: first where the scanner was lost, then at one other place a keyframe. Wherever it is found, it must
+//! have begun where the other ended: a corridor looks like the next, and like itself when it is turned round.
 
 use super::Settings;
 use super::atlas::Atlas;
@@ -21,6 +22,14 @@ const OTHER_WINDOW_M: f64 = 4.0;
 /// Way that is compared there, metres: a few metres of corridor look like those of any other, and a map joined at the wrong
 /// place is worse than one kept apart.
 const OTHER_STRETCH_M: f64 = 8.0;
+/// Way that is compared when it is there, metres. So much of a building tells where it is by itself, even if somebody carried
+/// the scanner.
+const LONG_STRETCH_M: f64 = 20.0;
+/// A map begins where the one before ended: how far off its first scan may be, metres and radians, and how much farther
+/// for every metre of its own way.
+const BEGUN_M: f64 = 4.0;
+const BEGUN_RAD: f64 = 1.2;
+const BEGUN_PER_M: f64 = 0.03;
 /// Two places in a row agree when they put the scanner less far apart than this, metres and radians.
 const AGREE_M: f64 = 0.5;
 const AGREE_RAD: f64 = 0.1;
@@ -79,7 +88,8 @@ impl Left {
         };
         let old_from_new = old[edge.from].map_from_scan * edge.motion * new[edge.to].map_from_scan.inverse();
         let is_sure = is_where_left || self.is_confirmed(old_from_new, new[edge.to].map_from_scan);
-        is_sure.then_some(edge)
+        let is_possible = self.begins_here(old_from_new, new) || new[newest].way_m >= LONG_STRETCH_M;
+        (is_sure && is_possible).then_some(edge)
     }
 
     /// The first keyframe of the present map, about where the scanner would be if it had gone on.
@@ -100,8 +110,13 @@ impl Left {
     fn elsewhere<'a>(&'a self, new: &'a [Keyframe]) -> Option<Lookup<'a>> {
         let old = self.atlas.keyframes();
         let (tip, newest) = (old.len() - 1, new.len() - 1);
+        let stretch_m = if new[newest].way_m >= LONG_STRETCH_M {
+            LONG_STRETCH_M
+        } else {
+            OTHER_STRETCH_M
+        };
         // No farther than the map that was left goes.
-        let stretch_m = OTHER_STRETCH_M.min(old[tip].way_m);
+        let stretch_m = stretch_m.min(old[tip].way_m);
         let at = tip - self.cursor;
         (new[newest].way_m >= stretch_m).then_some(Lookup {
             old,
@@ -112,6 +127,16 @@ impl Left {
             window_m: OTHER_WINDOW_M,
             stretch_m,
         })
+    }
+
+    /// Whether the present map, placed so in this one, begins where this one was left.
+    fn begins_here(&self, old_from_new: Pose, new: &[Keyframe]) -> bool {
+        let (first, newest) = (&new[0], &new[new.len() - 1]);
+        let begun = old_from_new * first.map_from_scan;
+        let left = self.motion.predicted().map_from_scan;
+        let drift = BEGUN_PER_M * newest.way_m;
+        begun.distance(left) < BEGUN_M + drift
+            && wrap_rad(begun.theta_rad - left.theta_rad).abs() < BEGUN_RAD + 0.1 * drift
     }
 
     /// Whether the place before put the scanner, now at `new_from_scan` in the present map, at the same pose.

@@ -185,7 +185,8 @@ impl Track {
         let left = self.left.remove(k);
         let new = std::mem::replace(&mut self.atlas, left.atlas);
         let new_id = new.id;
-        let (moved, offset) = self.atlas.absorb(new, edge, settings);
+        let begun = left.motion.predicted().map_from_scan;
+        let (moved, offset) = self.atlas.absorb(new, edge, begun, settings);
         self.follow(moved);
         self.rehold(new_id, offset);
         true
