@@ -33,6 +33,8 @@ pub struct Finished {
     pub outcomes: Vec<Outcome>,
     /// For each of these scans, the one at whose place it was recognised to be.
     pub recognised: Vec<Option<usize>>,
+    /// What was taken back, in words.
+    pub corrections: Vec<String>,
     /// What must be kept to continue the map; scans are numbered as they were added.
     pub saved: SavedMap,
     /// How the map came to be.
@@ -44,6 +46,7 @@ pub struct CoreMapping {
     mapper: Mapper,
     settings: Settings,
     recognised: Vec<Option<usize>>,
+    corrections: Vec<String>,
     record: BuildRecord,
 }
 
@@ -54,6 +57,7 @@ impl CoreMapping {
             mapper: Mapper::new(settings),
             settings,
             recognised: Vec::new(),
+            corrections: Vec::new(),
             record,
         }
     }
@@ -65,6 +69,8 @@ impl Mapping for CoreMapping {
             .mapper
             .add_scan_watched(&scan.scan, scan.odometry, &mut |stage| clock.enter(stage.name()));
         self.recognised.push(step.recognised);
+        self.corrections
+            .extend(step.revoked.iter().map(ToString::to_string));
         clock.enter("record");
         self.record.step(&self.mapper, scan, &step)
     }
@@ -75,7 +81,12 @@ impl Mapping for CoreMapping {
 
     fn finish(mut self, partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished> {
         clock.enter(Stage::Finish.name());
-        self.mapper.settle();
+        let placed_again = self.mapper.settle();
+        self.corrections.extend(
+            placed_again
+                .iter()
+                .map(|scan| format!("scan {scan} contradicted the finished map and was placed again")),
+        );
         let map = self.mapper.map();
         let outcomes = self.mapper.outcomes();
         clock.enter("record");
@@ -85,6 +96,7 @@ impl Mapping for CoreMapping {
             map,
             outcomes: outcomes.iter().map(outcome).collect(),
             recognised: self.recognised,
+            corrections: self.corrections,
             recorded,
         })
     }

@@ -111,6 +111,7 @@ pub fn build(
     }
     result.write(folder)?;
     let MapFolder { map, rows, .. } = result;
+    let notes = reading.tally.notes.iter().chain(&finished.corrections);
     clock.enter("draw");
     pictures::write(folder, &map, &rows, log.name())?;
     if let Some(choice) = also.choice.filter(|_| !also.formats.is_empty()) {
@@ -135,7 +136,7 @@ pub fn build(
         stages: clock.times(),
         peak_memory_bytes: memory::peak_bytes(),
         settings,
-        notes: reading.tally.notes.clone(),
+        notes: notes.cloned().collect(),
     };
     AtomicFile::write(&folder.join("report.json"), |f| report.write(f))?;
     report_html::write(folder, &report, &map, returns, finished.recorded)?;
@@ -271,6 +272,7 @@ mod tests {
                 // Every scan after the first is at the place of the first.
                 recognised: (0..self.outcomes.len()).map(|k| (k > 0).then_some(0)).collect(),
                 outcomes: self.outcomes,
+                corrections: Vec::new(),
                 saved: SavedMap::default(),
                 recorded: Recorded(Vec::new()),
             })

@@ -63,10 +63,11 @@ impl Left {
         }
     }
 
-    /// Adjusts its poses and walls together.
-    pub fn settle(&mut self, settings: &Settings) {
-        let moved = self.atlas.settle(settings);
+    /// Adjusts its poses and walls together. Returns the scans that were placed again.
+    pub fn settle(&mut self, settings: &Settings) -> Vec<usize> {
+        let (moved, placed_again) = self.atlas.settle(settings);
         self.motion.map_from_scan = moved * self.motion.map_from_scan;
+        placed_again
     }
 
     /// Looks for the present map, whose keyframes are `new`, in this one.

@@ -186,12 +186,13 @@ impl Mapper {
     }
 
     /// To be called when no scan follows, before the outcomes and the map are asked for: the best account of the motion is
-    /// taken, and poses and walls are adjusted together. Scans may follow all the same.
-    pub fn settle(&mut self) {
+    /// taken, and poses and walls are adjusted together. Scans may follow all the same. Returns the numbers of the scans
+    /// that the finished map contradicted and that were given another place.
+    pub fn settle(&mut self) -> Vec<usize> {
         self.tracks.truncate(1);
-        if let Some(track) = self.tracks.first_mut() {
-            track.settle(&self.settings);
-        }
+        self.tracks
+            .first_mut()
+            .map_or_else(Vec::new, |track| track.settle(&self.settings))
     }
 
     /// What became of every scan so far, in the map frame as it is now.

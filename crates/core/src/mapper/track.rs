@@ -251,13 +251,15 @@ impl Track {
         self.held.iter().map(|held| self.outcome(held)).collect()
     }
 
-    /// Adjusts poses and walls of every map together; the scanner moves along.
-    pub fn settle(&mut self, settings: &Settings) {
-        let moved = self.atlas.settle(settings);
+    /// Adjusts poses and walls of every map together; the scanner moves along. Returns the scans that were placed again.
+    pub fn settle(&mut self, settings: &Settings) -> Vec<usize> {
+        let (moved, mut placed_again) = self.atlas.settle(settings);
         self.follow(moved);
         for left in &mut self.left {
-            left.settle(settings);
+            placed_again.extend(left.settle(settings));
         }
+        placed_again.sort_unstable();
+        placed_again
     }
 
     /// What must be kept of the map.

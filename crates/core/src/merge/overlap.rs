@@ -130,7 +130,7 @@ mod tests {
         // One and a half turns; the half lies 3 cm farther out.
         let vertices = (0..320).map(|k| {
             let out = if k < 210 { 1.0 } else { 1.02 };
-            Vertex::new(round(k) * out)
+            Vertex::new(round(k) * out, 0)
         });
         map.add(vertices.collect());
         merge_overlaps(&mut map, &MergeSettings::default());

@@ -160,7 +160,7 @@ mod tests {
         let mut map = GrowingMap::default();
         let blurred = (0..120).map(|k| {
             let x_m = 0.05 * f64::from(k) - 2.95;
-            Vertex::new(Point::new(x_m, if x_m.abs() < 0.6 { -1.04 } else { -1.01 }))
+            Vertex::new(Point::new(x_m, if x_m.abs() < 0.6 { -1.04 } else { -1.01 }), 0)
         });
         map.add(blurred.collect());
         let settings = MergeSettings::default();

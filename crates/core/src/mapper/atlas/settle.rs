@@ -22,16 +22,17 @@ const LOOSE_RAD: f64 = 1.0;
 
 impl Atlas {
     /// Adjusts poses and walls, and once more if a keyframe was given another place. Returns the motion of the map frame
-    /// that the newest keyframe has made.
-    pub fn settle(&mut self, settings: &Settings) -> Pose {
+    /// that the newest keyframe has made, and the scans that were placed again.
+    pub fn settle(&mut self, settings: &Settings) -> (Pose, Vec<usize>) {
         let (newest, before) = self.newest();
         self.adjust(settings);
-        if self.look_again(settings) {
+        let placed_again = self.look_again(settings);
+        if !placed_again.is_empty() {
             self.optimise();
             self.adjust(settings);
         }
         self.has_moved = true;
-        self.pose(newest) * before.inverse()
+        (self.pose(newest) * before.inverse(), placed_again)
     }
 
     /// Adjusts the poses of all keyframes and the walls together. A wall that stood twice stands once after it, and is
@@ -61,8 +62,8 @@ impl Atlas {
         map.skeleton
     }
 
-    /// Gives keyframes that lie wrong another place. Returns whether there were any.
-    fn look_again(&mut self, settings: &Settings) -> bool {
+    /// Gives keyframes that lie wrong another place. Returns their scans.
+    fn look_again(&mut self, settings: &Settings) -> Vec<usize> {
         let doubtful: Vec<usize> = (0..self.keyframes.len())
             .filter(|&k| self.keyframes[k].is_doubtful)
             .collect();
@@ -80,7 +81,7 @@ impl Atlas {
                 ..*edge
             });
         }
-        !found.is_empty()
+        found.iter().map(|e| self.keyframes[e.to].number).collect()
     }
 
     /// The map's frame is the first keyframe.
