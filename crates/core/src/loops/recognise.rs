@@ -51,8 +51,9 @@ impl Default for RecogniseSettings {
     }
 }
 
-/// The part of a stretch of keyframes that is compared: every second half metre is enough.
+/// The part of a stretch of keyframes that is compared: one every half metre is enough, and thirty.
 const STRETCH_STEP_M: f64 = 0.5;
+const STRETCH_STEPS: f64 = 16.0;
 
 /// An edge from an old keyframe to the newest, if a place is recognised. `ways_m` are the ways along the graph from
 /// the newest keyframe ([`crate::loops::ways::ways_m`]).
@@ -212,6 +213,7 @@ fn stretch(
     allowed: impl Fn(usize) -> bool,
 ) -> Vec<usize> {
     let mut out = vec![middle];
+    let spacing_m = STRETCH_STEP_M.max(stretch_m / STRETCH_STEPS);
     for backwards in [true, false] {
         let (mut k, mut path_m, mut since_m) = (middle, 0.0, 0.0);
         loop {
@@ -231,7 +233,7 @@ fn stretch(
             if path_m > stretch_m {
                 break;
             }
-            if since_m >= STRETCH_STEP_M {
+            if since_m >= spacing_m {
                 out.push(next);
                 since_m = 0.0;
             }

@@ -23,7 +23,7 @@ const OTHER_WINDOW_M: f64 = 4.0;
 /// place is worse than one kept apart.
 const OTHER_STRETCH_M: f64 = 8.0;
 /// Way that is compared when it is there, metres. So much of a building tells where it is by itself, even if somebody carried
-/// the scanner.
+/// the scanner; and so does a map that was left which is compared as a whole.
 const LONG_STRETCH_M: f64 = 20.0;
 /// A map begins where the one before ended: how far off its first scan may be, metres and radians, and how much farther
 /// for every metre of its own way.
@@ -88,8 +88,10 @@ impl Left {
             return None;
         };
         let old_from_new = old[edge.from].map_from_scan * edge.motion * new[edge.to].map_from_scan.inverse();
+        let is_whole = old[old.len() - 1].way_m <= OTHER_STRETCH_M;
         let is_sure = is_where_left || self.is_confirmed(old_from_new, new[edge.to].map_from_scan);
-        let is_possible = self.begins_here(old_from_new, new) || new[newest].way_m >= LONG_STRETCH_M;
+        let is_possible =
+            self.begins_here(old_from_new, new) || new[newest].way_m >= LONG_STRETCH_M || is_whole;
         (is_sure && is_possible).then_some(edge)
     }
 
