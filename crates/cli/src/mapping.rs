@@ -2,7 +2,7 @@
 
 use polymapper_core::join::SavedMap;
 use polymapper_core::map::Map;
-use polymapper_core::mapper::{self, Mapper, NotPlaced, Settings, Stage};
+use polymapper_core::mapper::{self, Mapper, NotPlaced, Revoked, Settings, Stage};
 use polymapper_io::log::{BadScan, LogScan};
 use polymapper_io::out::Outcome;
 use serde_json::Value;
@@ -46,6 +46,8 @@ pub struct CoreMapping {
     mapper: Mapper,
     settings: Settings,
     recognised: Vec<Option<usize>>,
+    /// Number in the log of every scan that was added.
+    numbers: Vec<usize>,
     corrections: Vec<String>,
     record: BuildRecord,
 }
@@ -57,6 +59,7 @@ impl CoreMapping {
             mapper: Mapper::new(settings),
             settings,
             recognised: Vec::new(),
+            numbers: Vec::new(),
             corrections: Vec::new(),
             record,
         }
@@ -69,8 +72,16 @@ impl Mapping for CoreMapping {
             .mapper
             .add_scan_watched(&scan.scan, scan.odometry, &mut |stage| clock.enter(stage.name()));
         self.recognised.push(step.recognised);
-        self.corrections
-            .extend(step.revoked.iter().map(ToString::to_string));
+        self.numbers.push(scan.index);
+        let numbers = &self.numbers;
+        self.corrections.extend(step.revoked.iter().map(|revoked| {
+            Revoked {
+                scan: numbers[revoked.scan],
+                recognised: numbers[revoked.recognised],
+                ..*revoked
+            }
+            .to_string()
+        }));
         clock.enter("record");
         self.record.step(&self.mapper, scan, &step)
     }
@@ -82,11 +93,10 @@ impl Mapping for CoreMapping {
     fn finish(mut self, partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished> {
         clock.enter(Stage::Finish.name());
         let placed_again = self.mapper.settle();
-        self.corrections.extend(
-            placed_again
-                .iter()
-                .map(|scan| format!("scan {scan} contradicted the finished map and was placed again")),
-        );
+        self.corrections.extend(placed_again.iter().map(|&scan| {
+            let number = self.numbers[scan];
+            format!("scan {number} contradicted the finished map and was placed again")
+        }));
         let map = self.mapper.map();
         let outcomes = self.mapper.outcomes();
         clock.enter("record");

@@ -17,7 +17,7 @@ fn a_closure_that_all_else_contradicts_is_taken_out_and_says_why() {
         mapper.add_scan(scan, None);
     }
     let mut right = mapper.saved();
-    assert_eq!(right.settle(&Settings::default()), []);
+    assert_eq!(right.agree(&Settings::default()), []);
     let closure = right.edges.iter().find(|e| e.is_loop).copied();
     let closure = closure.expect("the tour comes by the same place twice");
 
@@ -33,7 +33,7 @@ fn a_closure_that_all_else_contradicts_is_taken_out_and_says_why() {
         motion: Pose::IDENTITY,
         ..closure
     });
-    let revoked = with.settle(&Settings::default());
+    let revoked = with.agree(&Settings::default());
     let [one] = revoked[..] else { panic!("{revoked:?}") };
     assert_eq!(
         (one.recognised, one.scan),

@@ -142,7 +142,7 @@ impl SavedMap {
 
     /// Moves the keyframes so that they agree with all edges, and takes out the recognised places that all others contradict.
     /// Returns those.
-    pub fn settle(&mut self, settings: &Settings) -> Vec<Revoked> {
+    pub fn agree(&mut self, settings: &Settings) -> Vec<Revoked> {
         let mut atlas = Atlas::restored(self, settings);
         atlas.optimise();
         let revoked = atlas.revoke();

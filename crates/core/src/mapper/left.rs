@@ -92,6 +92,10 @@ impl Left {
         let is_sure = is_where_left || self.is_confirmed(old_from_new, new[edge.to].map_from_scan);
         let is_possible =
             self.begins_here(old_from_new, new) || new[newest].way_m >= LONG_STRETCH_M || is_whole;
+        if !is_possible {
+            // A place that looks alike: the next one may be it.
+            self.cursor = (self.cursor + CURSOR_STEP) % self.atlas.keyframes().len();
+        }
         (is_sure && is_possible).then_some(edge)
     }
 

@@ -31,7 +31,7 @@ pub fn built(path: &Path) -> Result<Built, LogError> {
         }
     }
     let mut saved = mapper.saved();
-    saved.settle(&Settings::default());
+    saved.agree(&Settings::default());
     let published = saved.keyframes.iter().map(|k| poses[k.number]).collect();
     Ok(Built { saved, published })
 }
@@ -81,8 +81,8 @@ pub fn inject(built: &Built, start: Start, share: f64, run: usize, seed: u64) ->
     with.edges
         .extend(false_closures(built, &loops, wanted, run, seed));
     let injected = with.edges.len() - built.saved.edges.len();
-    with.settle(&Settings::default());
-    without.settle(&Settings::default());
+    with.agree(&Settings::default());
+    without.agree(&Settings::default());
     let count = |map: &SavedMap, wrong: bool| {
         let is_such = |e: &&SavedEdge| e.is_loop && is_wrong(built, e) == wrong;
         map.edges.iter().filter(is_such).count()

@@ -125,8 +125,8 @@ fn descend(poses: &mut [Pose], edges: &[Edge], scale: f64) {
     }
 }
 
-/// A loop edge with a larger squared residual than this is false. In eleven real logs the worst of 1400 loop edges ends at 27;
-/// at 100, ten standard deviations, ρ has left it a weight of 1/100.
+/// A loop edge with a larger squared residual than this is false. At the end of nine real logs the worst loop edge
+/// stands at 27; at 100, ten standard deviations, ρ has left it a weight of 1/100.
 const FALSE_BEYOND: f64 = 100.0;
 
 /// The loop edges that the others contradict once the poses have settled, by their place among the edges.

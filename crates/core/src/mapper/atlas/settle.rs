@@ -67,13 +67,14 @@ impl Atlas {
         let doubtful: Vec<usize> = (0..self.keyframes.len())
             .filter(|&k| self.keyframes[k].is_doubtful)
             .collect();
+        let frame = self.pose(0);
         let found = place_again(
             &mut self.keyframes,
             &doubtful,
             &settings.align,
             &settings.recognise,
         );
-        self.keep_frame();
+        self.keep_frame(frame);
         for edge in &found {
             self.break_edges(edge.to);
             self.edges.push(Edge {
@@ -84,11 +85,10 @@ impl Atlas {
         found.iter().map(|e| self.keyframes[e.to].number).collect()
     }
 
-    /// The map's frame is the first keyframe.
-    fn keep_frame(&mut self) {
-        let first = self.pose(0);
-        if first != Pose::IDENTITY {
-            let back = first.inverse();
+    /// The map hangs on its first keyframe: when that was given another place, all others move instead.
+    fn keep_frame(&mut self, first: Pose) {
+        if self.pose(0) != first {
+            let back = first * self.pose(0).inverse();
             for keyframe in &mut self.keyframes {
                 keyframe.map_from_scan = back * keyframe.map_from_scan;
             }
@@ -99,14 +99,56 @@ impl Atlas {
     /// keyframe to the next is whatever it was.
     fn break_edges(&mut self, keyframe: usize) {
         let poses: Vec<Pose> = self.keyframes.iter().map(|k| k.map_from_scan).collect();
-        let is_broken = |e: &Edge| {
-            (e.from == keyframe || e.to == keyframe)
-                && e.information.quadratic(e.residual(&poses)) > BROKEN_SQUARES
-        };
+        let is_broken =
+            |e: &Edge| (e.from == keyframe || e.to == keyframe) && e.square(&poses) > BROKEN_SQUARES;
         self.edges.retain(|e| !(e.is_loop && is_broken(e)));
         for edge in self.edges.iter_mut().filter(|e| is_broken(e)) {
             edge.motion = poses[edge.from].inverse() * poses[edge.to];
             edge.information = Information::from_sigmas(LOOSE_M, LOOSE_M, LOOSE_RAD);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::keyframe::Keyframe;
+    use crate::keyframe::drawn::{Wall, keyframe};
+
+    /// A hall with pillars at its walls at uneven distances.
+    const HALL: &[Wall] = &[
+        &[
+            (-10.0, -2.0),
+            (10.0, -2.0),
+            (10.0, 2.0),
+            (-10.0, 2.0),
+            (-10.0, -2.0),
+        ],
+        &[(1.0, -2.0), (1.0, -1.4), (0.5, -1.4), (0.5, -2.0)],
+        &[(-3.2, -2.0), (-3.2, -1.4), (-4.4, -1.4), (-4.4, -2.0)],
+        &[(4.0, 2.0), (4.0, 1.2), (4.3, 1.2), (4.3, 2.0)],
+    ];
+
+    #[test]
+    fn a_map_that_was_turned_stays_turned() {
+        let map_from_hall = Pose::new(3.0, -2.0, 0.4);
+        let keyframes: Vec<Keyframe> = (0..10)
+            .map(|k| {
+                let pose = Pose::new(f64::from(k) - 5.0, 0.2, 0.0);
+                Keyframe {
+                    map_from_scan: map_from_hall * pose,
+                    ..keyframe(HALL, pose)
+                }
+            })
+            .collect();
+        let first = keyframes[0].map_from_scan;
+        let mut atlas = Atlas {
+            keyframes,
+            ..Atlas::default()
+        };
+        atlas.settle(&Settings::default());
+        assert_eq!(atlas.pose(0), first);
+        let last = map_from_hall * Pose::new(4.0, 0.2, 0.0);
+        assert!(atlas.pose(9).distance(last) < 0.01, "{:?}", atlas.pose(9));
     }
 }
