@@ -33,7 +33,7 @@ pub struct Finished {
     pub outcomes: Vec<Outcome>,
     /// For each of these scans, the one at whose place it was recognised to be.
     pub recognised: Vec<Option<usize>>,
-    /// What was taken back, in words.
+    /// What was taken back or put right, in words.
     pub corrections: Vec<String>,
     /// What must be kept to continue the map; scans are numbered as they were added.
     pub saved: SavedMap,
@@ -93,6 +93,7 @@ impl Mapping for CoreMapping {
     fn finish(mut self, partial: Option<&str>, clock: &mut StageClock) -> anyhow::Result<Finished> {
         clock.enter(Stage::Finish.name());
         let placed_again = self.mapper.settle();
+        self.corrections.extend(sweep(self.mapper.sweep_share()));
         self.corrections.extend(placed_again.iter().map(|&scan| {
             let number = self.numbers[scan];
             format!("scan {number} contradicted the finished map and was placed again")
@@ -115,6 +116,21 @@ impl Mapping for CoreMapping {
         // Printed by their own names, so that there is no second list of settings to keep in step.
         Value::String(format!("{:?}", self.settings))
     }
+}
+
+/// That scans were made straight, in words.
+fn sweep(share: f64) -> Option<String> {
+    let direction = if share > 0.0 {
+        "counter-clockwise"
+    } else {
+        "clockwise"
+    };
+    (share != 0.0).then(|| {
+        format!(
+            "the beam goes round {direction} once in {:.0} % of the time from scan to scan, as the walls show: scans taken on the move were made straight",
+            100.0 * share.abs()
+        )
+    })
 }
 
 /// An outcome as it is written.

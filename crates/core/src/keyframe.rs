@@ -32,6 +32,8 @@ pub(crate) struct Keyframe {
     pub way_m: f64,
     /// When it was placed, other places came near.
     pub is_doubtful: bool,
+    /// The scanner's motion from scan to scan when it was taken; none where that is not known.
+    pub step: Pose,
     /// The scanner in the map.
     pub map_from_scan: Pose,
 }
@@ -96,6 +98,7 @@ pub(crate) mod drawn {
             scan: Arc::new(scan),
             way_m: 0.0,
             is_doubtful: false,
+            step: Pose::IDENTITY,
             map_from_scan,
         }
     }

@@ -23,6 +23,8 @@ pub mod place;
 mod keyframe;
 pub mod merge;
 
+mod sweep;
+
 pub mod map;
 
 pub mod loops;

@@ -80,6 +80,9 @@ pub struct Scanner {
     pub dropout_ratio: f64,
     /// Share of the beams beside an edge that log a range somewhere between both sides of it, 0..=1.
     pub mixed_pixel_ratio: f64,
+    /// Share of the time from scan to scan in which the beam goes round once: 0 measures at once; negative: clockwise,
+    /// −1..=1. The scanner moves on meanwhile; its true pose is that at the middle beam.
+    pub sweep_ratio: f64,
 }
 
 impl Scanner {
@@ -95,6 +98,7 @@ impl Scanner {
             bearing_noise_rad: 0.0,
             dropout_ratio: 0.0,
             mixed_pixel_ratio: 0.0,
+            sweep_ratio: 0.0,
         };
         match kind {
             ScannerKind::Sick180 => common,
@@ -165,6 +169,7 @@ impl Scanner {
             ("bearing_noise_rad", self.bearing_noise_rad, 0.0, 0.1, "0 to 0.1"),
             ("dropout_ratio", self.dropout_ratio, 0.0, 1.0, "0 to 1"),
             ("mixed_pixel_ratio", self.mixed_pixel_ratio, 0.0, 1.0, "0 to 1"),
+            ("sweep_ratio", self.sweep_ratio, -1.0, 1.0, "-1 to 1"),
         ];
         for (name, value, low, high, range) in in_range {
             if !(low..=high).contains(&value) {

@@ -138,14 +138,21 @@ pub fn simulate(settings: &SimSettings) -> Result<SimLog, SimError> {
         plan,
     };
     let mut dice = Dice::new(settings.seed, Purpose::Scanner);
-    for stand in &stands {
+    for (number, stand) in stands.iter().enumerate() {
         let bodies: Vec<Body> = walkers.iter().map(|w| w.body(stand.stamp_s)).collect();
         let world = World {
             walls: &walls,
             plants: log.plan.plants(),
             bodies: &bodies,
         };
-        let mut beams = world.scan(&settings.scanner, log.geometry, stand.world_from_laser, &mut dice);
+        let motion = motion_at(&log.truth_poses, number);
+        let mut beams = world.scan(
+            &settings.scanner,
+            log.geometry,
+            stand.world_from_laser,
+            motion,
+            &mut dice,
+        );
         let ranges_m = beams.iter().map(|b| b.range_m.unwrap_or(f64::NAN)).collect();
         let scan = Scan::new(log.geometry, ranges_m)?;
         // A true range that happens to be a no-return code is lost as well.
@@ -166,6 +173,13 @@ impl SimLog {
     pub fn walls(&self) -> &[Polyline] {
         self.plan.walls()
     }
+}
+
+/// The motion from scan to scan about scan `number`, in the scanner's frame: half of the way from the one before to the one after.
+fn motion_at(poses: &[Pose], number: usize) -> Pose {
+    let (before, after) = (number.saturating_sub(1), (number + 1).min(poses.len() - 1));
+    let motion = poses[before].inverse() * poses[after];
+    motion.scaled(1.0 / (after - before).max(1) as f64)
 }
 
 fn walkers(settings: &SimSettings, terrain: &Terrain, stands: &[Stand]) -> Vec<Walker> {
@@ -192,13 +206,22 @@ struct Beam {
 }
 
 impl World<'_> {
-    fn scan(&self, scanner: &Scanner, geometry: ScanGeometry, at: Pose, dice: &mut Dice) -> Vec<Beam> {
-        let origin = at.translation();
+    /// `motion` is the scanner's from scan to scan, in its own frame.
+    fn scan(
+        &self,
+        scanner: &Scanner,
+        geometry: ScanGeometry,
+        at: Pose,
+        motion: Pose,
+        dice: &mut Dice,
+    ) -> Vec<Beam> {
         let mut beams: Vec<Beam> = (0..geometry.beams())
             .map(|k| {
                 let off_rad = dice.normal() * scanner.bearing_noise_rad;
-                let towards = direction(at.theta_rad + geometry.bearing_rad(k) + off_rad);
-                self.beam(origin, towards, scanner.max_range_m, dice)
+                let bearing_rad = geometry.bearing_rad(k);
+                let here = at * motion.scaled(scanner.sweep_ratio * geometry.turns_from_middle(bearing_rad));
+                let towards = direction(here.theta_rad + bearing_rad + off_rad);
+                self.beam(here.translation(), towards, scanner.max_range_m, dice)
             })
             .collect();
         mix_pixels(&mut beams, scanner.mixed_pixel_ratio, dice);

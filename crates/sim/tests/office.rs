@@ -15,13 +15,17 @@ use polymapper_sim::{
 struct Built {
     map: MapScore,
     trajectory: TrajectoryError,
+    sweep_share: f64,
     scans: usize,
     not_placed: usize,
 }
 
 /// The office of seed 1 at 10 Hz, with 1 cm of noise.
 fn office(kind: ScannerKind, people: usize) -> Built {
-    let scanner = Scanner::new(kind);
+    office_seen_by(Scanner::new(kind), people)
+}
+
+fn office_seen_by(scanner: Scanner, people: usize) -> Built {
     assert!((scanner.noise_m - 0.01).abs() < 1e-9);
     let log = simulate(&SimSettings {
         scanner,
@@ -34,6 +38,7 @@ fn office(kind: ScannerKind, people: usize) -> Built {
     for scan in &log.scans {
         mapper.add_scan(scan, None);
     }
+    mapper.settle();
     let pose = |(scan, outcome): (usize, &Outcome)| match outcome {
         Outcome::Placed { map_from_scan } => Some((scan, *map_from_scan)),
         Outcome::NotPlaced { .. } => None,
@@ -49,12 +54,18 @@ fn office(kind: ScannerKind, people: usize) -> Built {
     Built {
         map: score_map(&walls, world_from_map, &log.map_truth()),
         trajectory: trajectory_error(&placed, &log.truth_poses, world_from_map).unwrap(),
+        sweep_share: mapper.sweep_share(),
         scans: log.scans.len(),
         not_placed: log.scans.len() - placed.len(),
     }
 }
 
 fn check(result: &Built) {
+    assert!(result.sweep_share.abs() < 1e-12, "measured at once: {result:#?}");
+    check_map(result);
+}
+
+fn check_map(result: &Built) {
     assert!(result.map.within_5cm.f_score() >= 0.95, "{result:#?}");
     // The doors are 0.8 m wide and more.
     assert!(result.trajectory.mean_translation_m < 0.03, "{result:#?}");
@@ -77,5 +88,24 @@ fn people_who_walk_about_are_no_walls() {
         let result = office(kind, 3);
         check(&result);
         assert!(result.map.people_ratio <= 0.05, "{result:#?}");
+    }
+}
+
+/// A scanner whose beam takes the whole time from scan to scan to go round measures what is on its left later than what is on
+/// its right. Nobody says so: it is found, with its direction, and the map is as sharp as that of a scanner that measures at
+/// once (F at 2 cm 0.96; left as it was measured, 0.82).
+#[test]
+fn a_scanner_that_measures_on_the_move_sees_straight_walls() {
+    for sweep_ratio in [1.0, -1.0] {
+        let result = office_seen_by(
+            Scanner {
+                sweep_ratio,
+                ..Scanner::new(ScannerKind::LowCost360)
+            },
+            0,
+        );
+        assert!((result.sweep_share - sweep_ratio).abs() < 0.15, "{result:#?}");
+        check_map(&result);
+        assert!(result.map.within_2cm.f_score() >= 0.93, "{result:#?}");
     }
 }

@@ -7,6 +7,7 @@
 mod local;
 mod saved;
 mod settle;
+mod straighten;
 
 use super::{Revoked, Settings, Step};
 use local::Local;
@@ -158,7 +159,15 @@ impl Atlas {
     }
 
     /// Takes a scan in: moving objects are found, the rest is merged.
-    pub fn add_keyframe(&mut self, step: &mut Step, seen: &Seen, pose: Pose, settings: &Settings) {
+    /// `speed` is the motion from scan to scan.
+    pub fn add_keyframe(
+        &mut self,
+        step: &mut Step,
+        seen: &Seen,
+        pose: Pose,
+        speed: Pose,
+        settings: &Settings,
+    ) {
         if let Some(last) = self.keyframes.last() {
             let from = self.keyframes.len() - 1;
             let edge = edge_to_next(from, last.map_from_scan, pose, step.alignment.as_ref());
@@ -181,6 +190,7 @@ impl Atlas {
             points: Arc::clone(&seen.points),
             disordered_runs: disordered_runs(seen.scan, seen.extraction.noise_m, &settings.eraser).into(),
             is_doubtful: is_doubtful(step),
+            step: speed,
             map_from_scan: pose,
         });
         self.tie(step);

@@ -44,6 +44,7 @@ use crate::keyframe::Seen;
 use crate::map::Map;
 use crate::place::Answer;
 use crate::scan::Scan;
+use crate::sweep::Sweep;
 use track::Track;
 use tracks::{Onward, onward};
 
@@ -60,6 +61,8 @@ pub struct Mapper {
     tracks: Vec<Track>,
     /// Scans since there was but one.
     scans_undecided: usize,
+    /// How far the scanner moves while its beam goes round.
+    sweep: Sweep,
 }
 
 /// Returns on polylines that an alignment needs.
@@ -75,6 +78,7 @@ impl Mapper {
             next: 0,
             tracks: vec![Track::default()],
             scans_undecided: 0,
+            sweep: Sweep::default(),
         }
     }
 
@@ -94,6 +98,8 @@ impl Mapper {
         enter(Stage::Extract);
         let number = self.next;
         self.next += 1;
+        let straight = self.straightened(scan);
+        let scan = straight.as_ref().unwrap_or(scan);
         let extraction = Arc::new(self.extract(scan));
         let points = side_points(scan, &extraction.polylines, extraction.noise_m);
         let seen = Seen {
@@ -146,6 +152,9 @@ impl Mapper {
         if let [only] = self.tracks.as_mut_slice() {
             only.merit = 0.0;
             self.scans_undecided = 0;
+            if steps[0].merged.is_some() && self.sweep.observe(only.keyframes()) {
+                only.straighten(self.sweep.applied(), &self.settings);
+            }
         } else {
             self.scans_undecided += 1;
         }
@@ -173,6 +182,13 @@ impl Mapper {
         step.outcome = track.hold();
     }
 
+    /// The scan as it would have been taken at once, by the speed so far; `None` when that is how it was taken.
+    fn straightened(&self, scan: &Scan) -> Option<Scan> {
+        let speed = self.tracks.first().map_or(Pose::IDENTITY, Track::speed);
+        let turn_motion = speed.scaled(self.sweep.applied());
+        (turn_motion != Pose::IDENTITY).then(|| scan.straightened(turn_motion))
+    }
+
     fn extract(&mut self, scan: &Scan) -> Extraction {
         self.noise.observe(scan);
         let noise_m = self.settings.extract.noise_m.or(self.noise.sigma_m());
@@ -190,9 +206,21 @@ impl Mapper {
     /// that the finished map contradicted and that were given another place.
     pub fn settle(&mut self) -> Vec<usize> {
         self.tracks.truncate(1);
-        self.tracks
-            .first_mut()
-            .map_or_else(Vec::new, |track| track.settle(&self.settings))
+        let is_changed = self.sweep.settle();
+        let Some(track) = self.tracks.first_mut() else {
+            return Vec::new();
+        };
+        if is_changed {
+            track.straighten(self.sweep.applied(), &self.settings);
+        }
+        track.settle(&self.settings)
+    }
+
+    /// The share of the motion from scan to scan that the scanner makes while its beam goes round once, negative clockwise, as
+    /// far as the log has shown it; scans are made straight with it. 0 while there is no sign of any.
+    #[must_use]
+    pub fn sweep_share(&self) -> f64 {
+        self.sweep.applied()
     }
 
     /// What became of every scan so far, in the map frame as it is now.

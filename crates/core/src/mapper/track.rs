@@ -12,7 +12,7 @@ use super::left::Left;
 use super::{NotPlaced, Outcome, Settings, Step};
 use crate::geometry::Pose;
 use crate::join::SavedMap;
-use crate::keyframe::Seen;
+use crate::keyframe::{Keyframe, Seen};
 use crate::map::Map;
 use crate::place::{Answer, Motion, Placement, Question, place};
 
@@ -79,6 +79,27 @@ impl Track {
                 .is_some_and(stands_out)
                 .then_some((k, answer))
         })
+    }
+
+    /// The motion from scan to scan, in the scanner's frame; none where scans do not follow each other closely.
+    pub fn speed(&self) -> Pose {
+        match &self.motion {
+            Some(motion) if motion.is_smooth() => motion.step,
+            _ => Pose::IDENTITY,
+        }
+    }
+
+    /// Makes all keyframes straight again, with another share of the motion from scan to scan in a turn of the beam.
+    pub fn straighten(&mut self, share: f64, settings: &Settings) {
+        self.atlas.straighten(share, settings);
+        for left in &mut self.left {
+            left.atlas.straighten(share, settings);
+        }
+    }
+
+    /// The keyframes of the present map, oldest first.
+    pub fn keyframes(&self) -> &[Keyframe] {
+        self.atlas.keyframes()
     }
 
     /// Whether nothing has been placed yet.
@@ -155,7 +176,8 @@ impl Track {
 
     /// Merges the placed scan.
     pub fn merge(&mut self, pose: Pose, step: &mut Step, seen: &Seen, settings: &Settings) {
-        self.atlas.add_keyframe(step, seen, pose, settings);
+        let speed = self.speed();
+        self.atlas.add_keyframe(step, seen, pose, speed, settings);
     }
 
     /// Looks for known places; the scanner moves along when one moves the newest keyframe.

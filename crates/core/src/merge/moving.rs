@@ -165,14 +165,8 @@ fn free_share(keyframe: &Keyframe, points: &[Point]) -> f64 {
     let scan_from_map = keyframe.map_from_scan.inverse();
     let passed = points.iter().filter(|&&p| {
         let seen = scan_from_map * p;
-        let beam = keyframe
-            .scan
-            .geometry()
-            .beam_of_bearing(seen.bearing_rad())
-            .round();
-        let range_m = (beam >= 0.0)
-            .then(|| keyframe.scan.ranges_m().get(beam as usize))
-            .flatten();
+        let beam = keyframe.scan.beam_at(seen.bearing_rad());
+        let range_m = beam.and_then(|beam| keyframe.scan.ranges_m().get(beam));
         range_m.is_some_and(|r| r.is_nan() || *r > seen.norm() + BEHIND_M)
     });
     passed.count() as f64 / points.len().max(1) as f64

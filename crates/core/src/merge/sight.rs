@@ -88,7 +88,7 @@ fn sides_missed(
     let mut missed = Vec::new();
     let mut met: Vec<Crossing> = Vec::new();
     for (beam, _) in scan.ranges_m().iter().enumerate().filter(|(_, r)| !r.is_finite()) {
-        let direction = Point::from_polar(1.0, scan.geometry().bearing_rad(beam) + map_from_scan.theta_rad);
+        let direction = Point::from_polar(1.0, scan.bearing_rad(beam) + map_from_scan.theta_rad);
         met.clear();
         map.dense
             .along_ray(origin, direction, 0.95 * farthest_m, |crossing| {

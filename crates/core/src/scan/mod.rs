@@ -7,10 +7,12 @@
 //! a log writes for "no return" where it does not say.
 
 mod no_return;
+mod straight;
 
 pub use no_return::NoReturnCode;
 
-use crate::geometry::Point;
+use crate::geometry::{Point, Pose};
+use straight::Straight;
 
 /// Why a scan cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -126,9 +128,19 @@ impl ScanGeometry {
     /// outside 0..beams−1 when the scanner does not look there.
     #[must_use]
     pub fn beam_of_bearing(&self, bearing_rad: f64) -> f64 {
-        let middle_rad = self.first_bearing_rad + 0.5 * self.step_rad * self.beams.saturating_sub(1) as f64;
+        let middle_rad = self.middle_rad();
         let from_middle_rad = crate::geometry::wrap_rad(bearing_rad - middle_rad);
         (middle_rad + from_middle_rad - self.first_bearing_rad) / self.step_rad
+    }
+
+    /// How far round from the middle beam a bearing is, turns, −½..½.
+    #[must_use]
+    pub fn turns_from_middle(&self, bearing_rad: f64) -> f64 {
+        crate::geometry::wrap_rad(bearing_rad - self.middle_rad()) / std::f64::consts::TAU
+    }
+
+    fn middle_rad(&self) -> f64 {
+        self.first_bearing_rad + 0.5 * self.step_rad * self.beams.saturating_sub(1) as f64
     }
 
     /// Whether the beams go all the way round, so that the last is a neighbour of the first.
@@ -161,7 +173,9 @@ fn is_no_return_code(range_m: f64) -> bool {
 #[derive(Clone, Debug)]
 pub struct Scan {
     geometry: ScanGeometry,
-    ranges_m: Vec<f64>,
+    measured_m: Vec<f64>,
+    /// Where the scanner moved while it measured, and that is known.
+    straight: Option<Box<Straight>>,
 }
 
 impl Scan {
@@ -181,7 +195,37 @@ impl Scan {
                 *r = f64::NAN;
             }
         }
-        Ok(Self { geometry, ranges_m })
+        Ok(Self {
+            geometry,
+            measured_m: ranges_m,
+            straight: None,
+        })
+    }
+
+    /// The scan as it would have been taken at once, from where the scanner was when it looked along the middle beam.
+    /// `turn_motion` is the motion of the scanner while its beam goes round once counter-clockwise, in its own frame (of one
+    /// that goes round clockwise: backwards). Begins with what was measured, however the scan has been straightened before.
+    #[must_use]
+    pub fn straightened(&self, turn_motion: Pose) -> Self {
+        let is_moving = turn_motion != Pose::IDENTITY;
+        Self {
+            geometry: self.geometry,
+            measured_m: self.measured_m.clone(),
+            straight: is_moving
+                .then(|| Box::new(Straight::new(&self.geometry, &self.measured_m, turn_motion))),
+        }
+    }
+
+    /// The motion that the scan was straightened by.
+    #[must_use]
+    pub fn turn_motion(&self) -> Pose {
+        self.straight.as_ref().map_or(Pose::IDENTITY, |s| s.turn_motion)
+    }
+
+    /// The ranges as they were measured, metres, one a beam; NaN where nothing returned.
+    #[must_use]
+    pub fn measured_ranges_m(&self) -> &[f64] {
+        &self.measured_m
     }
 
     /// The scanner's geometry.
@@ -193,27 +237,51 @@ impl Scan {
     /// Ranges in metres, one a beam; NaN where nothing returned.
     #[must_use]
     pub fn ranges_m(&self) -> &[f64] {
-        &self.ranges_m
+        self.straight.as_ref().map_or(&self.measured_m, |s| &s.ranges_m)
+    }
+
+    /// Bearing of beam `beam`, radians, not wrapped.
+    #[must_use]
+    pub fn bearing_rad(&self, beam: usize) -> f64 {
+        self.geometry.bearing_rad(beam) + self.turned_rad(beam)
+    }
+
+    /// The beam that looks at `bearing_rad`; `None` where the scanner does not look.
+    #[must_use]
+    pub fn beam_at(&self, bearing_rad: f64) -> Option<usize> {
+        let near = self.geometry.beam_of_bearing(bearing_rad).round();
+        let turned_rad = if near >= 0.0 {
+            self.turned_rad(near as usize)
+        } else {
+            0.0
+        };
+        let beam = self.geometry.beam_of_bearing(bearing_rad - turned_rad).round();
+        (beam >= 0.0 && beam < self.geometry.beams as f64).then_some(beam as usize)
+    }
+
+    fn turned_rad(&self, beam: usize) -> f64 {
+        let turned = self.straight.as_ref().and_then(|s| s.turned_rad.get(beam));
+        turned.copied().unwrap_or(0.0)
     }
 
     /// Number of beams that returned.
     #[must_use]
     pub fn returns(&self) -> usize {
-        self.ranges_m.iter().filter(|r| r.is_finite()).count()
+        self.measured_m.iter().filter(|r| r.is_finite()).count()
     }
 
     /// The point that beam `beam` hit, laser frame; `None` without a return.
     #[must_use]
     pub fn point(&self, beam: usize) -> Option<Point> {
-        let range_m = *self.ranges_m.get(beam)?;
+        let range_m = *self.ranges_m().get(beam)?;
         range_m
             .is_finite()
-            .then(|| Point::from_polar(range_m, self.geometry.bearing_rad(beam)))
+            .then(|| Point::from_polar(range_m, self.bearing_rad(beam)))
     }
 
     /// Every return with its beam number, counter-clockwise.
     pub fn points(&self) -> impl Iterator<Item = (usize, Point)> + '_ {
-        (0..self.ranges_m.len()).filter_map(|beam| Some((beam, self.point(beam)?)))
+        (0..self.measured_m.len()).filter_map(|beam| Some((beam, self.point(beam)?)))
     }
 }
 

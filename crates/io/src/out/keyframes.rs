@@ -20,6 +20,9 @@ use super::map_file_in::FARTHEST_M;
 
 const FORMAT: &str = "polymapper-keyframes";
 const VERSION: u64 = 1;
+/// No scanner moves farther while its beam goes round, metres and radians.
+const MOST_TURN_M: f64 = 10.0;
+const MOST_TURN_RAD: f64 = 7.0;
 /// Unpacked, more than this is no such file, bytes: 100 000 keyframes of 1440 beams.
 const MOST_BYTES: u64 = 1 << 30;
 
@@ -86,6 +89,8 @@ enum Line {
         noise_m: f64,
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         moving: Vec<usize>,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        turn_motion: Option<[f64; 3]>,
         ranges_mm: Vec<u32>,
     },
     Edge {
@@ -146,7 +151,15 @@ fn keyframe_line(keyframe: &SavedKeyframe) -> Line {
         pose: numbers(keyframe.map_from_scan),
         noise_m: keyframe.noise_m,
         moving: keyframe.moving.clone(),
-        ranges_mm: keyframe.scan.ranges_m().iter().map(millimetres).collect(),
+        turn_motion: Some(keyframe.scan.turn_motion())
+            .filter(|m| *m != Pose::IDENTITY)
+            .map(numbers),
+        ranges_mm: keyframe
+            .scan
+            .measured_ranges_m()
+            .iter()
+            .map(millimetres)
+            .collect(),
     }
 }
 
@@ -242,6 +255,7 @@ impl Reading {
                 pose,
                 noise_m,
                 moving,
+                turn_motion,
                 ranges_mm,
             } => {
                 let geometry = self.geometry.ok_or("a keyframe before any geometry")?;
@@ -249,9 +263,11 @@ impl Reading {
                 if !(0.0..1.0).contains(&noise_m) {
                     return Err(format!("a noise of {noise_m} m; less than 1 is expected"));
                 }
+                let measured = Scan::new(geometry, ranges_m).map_err(|e| e.to_string())?;
+                let turn_motion = turn_motion.map(motion_of).transpose()?;
                 self.file.saved.keyframes.push(SavedKeyframe {
                     number: scan,
-                    scan: Scan::new(geometry, ranges_m).map_err(|e| e.to_string())?,
+                    scan: turn_motion.map_or_else(|| measured.clone(), |m| measured.straightened(m)),
                     noise_m,
                     moving,
                     map_from_scan: pose_of(pose)?,
@@ -310,6 +326,15 @@ fn pose_of([x, y, theta_rad]: [f64; 3]) -> Result<Pose, String> {
         .ok_or_else(|| format!("the pose ({x}, {y}, {theta_rad}) is no place in a building"))
 }
 
+/// The motion of a scanner while its beam goes round.
+fn motion_of(motion: [f64; 3]) -> Result<Pose, String> {
+    let [x, y, theta_rad] = motion;
+    let is_small = x.abs().max(y.abs()) <= MOST_TURN_M && theta_rad.abs() <= MOST_TURN_RAD;
+    is_small.then(|| Pose::new(x, y, theta_rad)).ok_or_else(|| {
+        format!("({x}, {y}, {theta_rad}) is no motion of a scanner while its beam goes round once")
+    })
+}
+
 fn information_of(cells: [f64; 6]) -> Result<Information, String> {
     let [xx, xy, xt, yy, yt, tt] = cells;
     if cells.iter().any(|c| !c.is_finite()) || xx < 0.0 || yy < 0.0 || tt < 0.0 {
@@ -318,4 +343,52 @@ fn information_of(cells: [f64; 6]) -> Result<Information, String> {
     Ok(Information {
         rows: [[xx, xy, xt], [xy, yy, yt], [xt, yt, tt]],
     })
+}
+
+#[cfg(test)]
+mod tests {
+    #![expect(clippy::unwrap_used, reason = "a test may fail by panic")]
+
+    use super::*;
+
+    #[test]
+    fn a_scan_taken_on_the_move_comes_back_as_it_was_made_straight() {
+        let geometry = ScanGeometry::new(-1.0, 0.01, 201).unwrap();
+        let ranges_m = (0..201).map(|k| {
+            if k == 7 {
+                f64::NAN
+            } else {
+                2.0 + 0.001 * f64::from(k)
+            }
+        });
+        let turn_motion = Pose::new(0.08, -0.01, 0.05);
+        let scan = Scan::new(geometry, ranges_m.collect())
+            .unwrap()
+            .straightened(turn_motion);
+        let written = KeyframeFile {
+            saved: SavedMap {
+                keyframes: vec![SavedKeyframe {
+                    number: 0,
+                    scan: scan.clone(),
+                    noise_m: 0.01,
+                    moving: Vec::new(),
+                    map_from_scan: Pose::IDENTITY,
+                }],
+                edges: Vec::new(),
+            },
+            scans: 1,
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("keyframes.jsonl.gz");
+        write_keyframes(&mut File::create(&path).unwrap(), &written).unwrap();
+        let read = read_keyframes(&path).unwrap();
+        let back = &read.saved.keyframes[0].scan;
+        assert_eq!(back.turn_motion(), turn_motion);
+        for beam in 0..201 {
+            match (scan.point(beam), back.point(beam)) {
+                (Some(a), Some(b)) => assert!(a.distance(b) < 1e-6),
+                (a, b) => assert!(a.is_none() && b.is_none(), "beam {beam}"),
+            }
+        }
+    }
 }

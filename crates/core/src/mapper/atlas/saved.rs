@@ -95,6 +95,7 @@ fn restored_keyframe(kept: &SavedKeyframe, way_m: f64, settings: &Settings) -> K
         extraction: Arc::new(extraction),
         way_m,
         is_doubtful: false,
+        step: Pose::IDENTITY,
         map_from_scan: kept.map_from_scan,
     }
 }
