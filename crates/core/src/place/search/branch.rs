@@ -163,10 +163,7 @@ impl Hunt<'_> {
     /// Bounds the four blocks of `level` that make up the block of the level above at (`x`, `y`), and queues those that
     /// are worth it.
     fn divide(&mut self, level: usize, heading: usize, x: i32, y: i32) {
-        let mut bounds = [0; 4];
-        for p in &self.headings[heading].points {
-            self.field.add_four(level, p.moved(x, y), &mut bounds);
-        }
+        let bounds = self.field.sum_four(level, &self.headings[heading].points, (x, y));
         let step = 1 << level;
         let places = [(x, y), (x + step, y), (x, y + step), (x + step, y + step)];
         for (bound, (x, y)) in bounds.into_iter().zip(places) {

@@ -29,7 +29,8 @@ pub(crate) struct Field {
 pub(crate) struct FieldPoint {
     x: i32,
     y: i32,
-    sector: usize,
+    /// Where the cells of its sector begin.
+    plane: u32,
 }
 
 impl FieldPoint {
@@ -149,7 +150,7 @@ impl Field {
         FieldPoint {
             x,
             y,
-            sector: sector(bearing_rad),
+            plane: (sector(bearing_rad) * self.height as usize * self.width as usize) as u32,
         }
     }
 
@@ -160,29 +161,39 @@ impl Field {
         if at.x < -reach || at.y < -reach || at.x >= self.width || at.y >= self.height {
             return 0;
         }
-        u32::from(self.levels[level][self.index(at.sector, at.x.max(0), at.y.max(0))])
+        let cell = at.y.max(0) as usize * self.width as usize + at.x.max(0) as usize;
+        u32::from(self.levels[level][at.plane as usize + cell])
     }
 
-    /// Adds [`Self::value`] of the block from a place on, of the block beside it, of the one above it, and of the one above
-    /// that beside it.
-    #[inline]
-    pub fn add_four(&self, level: usize, at: FieldPoint, sums: &mut [u32; 4]) {
+    /// Sums of [`Self::value`] over points moved by (`dx`, `dy`): of the blocks that begin there, of those beside them, of those
+    /// above, and of those above beside them.
+    pub fn sum_four(&self, level: usize, points: &[FieldPoint], (dx, dy): (i32, i32)) -> [u32; 4] {
         let step = 1_i32 << level;
-        let is_inside = at.x >= 0 && at.y >= 0 && at.x < self.width - step && at.y < self.height - step;
-        if is_inside {
-            let (cells, width) = (&self.levels[level], self.width as usize);
-            let (step, first) = (step as usize, self.index(at.sector, at.x, at.y));
-            let far = first + step * width;
-            let blocks = [first, first + step, far, far + step];
-            for (sum, block) in sums.iter_mut().zip(blocks) {
-                *sum += u32::from(cells[block]);
-            }
-        } else {
-            let blocks = [(0, 0), (step, 0), (0, step), (step, step)];
-            for (sum, (dx, dy)) in sums.iter_mut().zip(blocks) {
-                *sum += self.value(level, at.moved(dx, dy));
+        let (inner_width, inner_height) = ((self.width - step).max(0), (self.height - step).max(0));
+        let width = self.width as usize;
+        let (right, up) = (step as usize, step as usize * width);
+        let cells = self.levels[level].as_slice();
+        let mut sums = [0; 4];
+        for p in points {
+            let at = p.moved(dx, dy);
+            let is_inside = (at.x as u32) < inner_width as u32 && (at.y as u32) < inner_height as u32;
+            if is_inside {
+                let first = at.plane as usize + at.y as usize * width + at.x as usize;
+                let Some(block) = cells.get(first..=first + up + right) else {
+                    continue;
+                };
+                sums[0] += u32::from(block[0]);
+                sums[1] += u32::from(block[right]);
+                sums[2] += u32::from(block[up]);
+                sums[3] += u32::from(block[up + right]);
+            } else {
+                let blocks = [(0, 0), (step, 0), (0, step), (step, step)];
+                for (sum, (dx, dy)) in sums.iter_mut().zip(blocks) {
+                    *sum += self.value(level, at.moved(dx, dy));
+                }
             }
         }
+        sums
     }
 }
 
