@@ -77,10 +77,11 @@ pub(crate) mod drawn {
             grid.insert(owner, wall.iter().map(|&(x, y)| Point::new(x, y)));
         }
         let geometry = ScanGeometry::new(0.0, 0.5_f64.to_radians(), 720).unwrap();
+        let mut reader = grid.reader();
         let ranges_m = (0..720)
             .map(|beam| {
                 let direction = Point::from_polar(1.0, geometry.bearing_rad(beam) + map_from_scan.theta_rad);
-                let hit = grid.first_along_ray(map_from_scan.translation(), direction, 30.0);
+                let hit = reader.first_along_ray(map_from_scan.translation(), direction, 30.0);
                 hit.map_or(f64::NAN, |h| h.range_m)
             })
             .collect();
