@@ -169,6 +169,10 @@ impl Mapper {
             track.merge(pose, step, seen, &self.settings);
             enter(Stage::Loops);
             track.close_loops(step, &self.settings);
+            // The others look when they lead: two in three of these searches were for accounts that were given up.
+            if way.leads {
+                track.join_left(step, &self.settings);
+            }
         }
         step.outcome = track.hold();
     }

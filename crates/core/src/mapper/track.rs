@@ -162,6 +162,10 @@ impl Track {
     pub fn close_loops(&mut self, step: &mut Step, settings: &Settings) {
         let moved = self.atlas.close_loops(step, settings);
         self.follow(moved);
+    }
+
+    /// Looks for the present map in those that were left.
+    pub fn join_left(&mut self, step: &mut Step, settings: &Settings) {
         for k in (0..self.left.len()).rev() {
             if self.join(k, step, settings) {
                 return;
