@@ -14,12 +14,14 @@ const SAME_GUESS_M: f64 = 0.05;
 const SAME_GUESS_RAD: f64 = 0.02;
 
 /// Returns that a glance is taken at.
-const FEW: usize = 40;
+const FEW: usize = 60;
 /// Rounds of its alignment.
-const GLANCE_ROUNDS: u32 = 8;
+const GLANCE_ROUNDS: u32 = 12;
 /// A guess whose merit is so far behind the best one's is not looked at any further. What is carried on, or called into doubt by
-/// another, is less than 0.25 behind; the score of forty returns has a standard deviation of 0.08.
-const HOPELESS_BEHIND: f64 = 0.45;
+/// another, is less than 0.25 behind; the score of sixty returns has a standard deviation of 0.06.
+const HOPELESS_BEHIND: f64 = 0.5;
+/// A guess that leads near what was found is looked at if its merit is larger by so much: it leads nearer still.
+const NO_BETTER: f64 = 0.05;
 
 pub(super) struct Stage<'a> {
     points: &'a [SidePoint],
@@ -93,7 +95,7 @@ impl<'a> Stage<'a> {
 
     /// Aligns from a guess and adds the result, unless the guess leads where another has led already, or far behind the best.
     pub fn try_guess(&mut self, guess: &Guess) {
-        if self.is_known(guess.map_from_scan) || self.is_idle(guess) {
+        if self.known(guess.map_from_scan).next().is_some() || self.is_idle(guess) {
             return;
         }
         if let Some(placement) = self.aligned(guess) {
@@ -101,8 +103,9 @@ impl<'a> Stage<'a> {
         }
     }
 
-    fn is_known(&self, pose: Pose) -> bool {
-        self.found.iter().any(|p| {
+    /// What was found near a pose.
+    fn known(&self, pose: Pose) -> impl Iterator<Item = &Placement> {
+        self.found.iter().filter(move |p| {
             let other = p.alignment.map_from_scan;
             other.distance(pose) < SAME_GUESS_M
                 && wrap_rad(other.theta_rad - pose.theta_rad).abs() < SAME_GUESS_RAD
@@ -125,11 +128,9 @@ impl<'a> Stage<'a> {
             return false;
         };
         let pose = alignment.map_from_scan;
-        if self.is_known(pose) {
-            return true;
-        }
         let score = judge(few, self.map, pose, self.settings.gate_m).score();
-        score - self.unlikely(&alignment) < best - HOPELESS_BEHIND
+        let merit = score - self.unlikely(&alignment);
+        merit < best - HOPELESS_BEHIND || self.known(pose).any(|p| merit < p.merit + NO_BETTER)
     }
 
     /// Adds a pose; what the motion so far makes unlikely counts against it.
@@ -255,7 +256,7 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// Some forty of the returns; each stands for those left out.
+/// Some sixty of the returns; each stands for those left out.
 fn every_few(points: &[SidePoint]) -> Vec<SidePoint> {
     let step = (points.len() / FEW).max(1);
     let worth = step as f64;
