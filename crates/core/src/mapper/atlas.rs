@@ -14,10 +14,10 @@ use std::sync::Arc;
 
 use crate::align::{Alignment, Information};
 use crate::geometry::{Pose, wrap_rad};
-use crate::keyframe::{Keyframe, Seen};
+use crate::keyframe::{Keyframe, Seen, middle_of};
 use crate::loops::graph::{Edge, contradicted, optimise};
 use crate::loops::ways::ways_m;
-use crate::loops::{Recognised, recognise, seen_around, ties};
+use crate::loops::{Recognised, recognise, ties};
 use crate::map::Map;
 use crate::merge::eraser::{boxes, disordered_runs};
 use crate::merge::finish::finish;
@@ -179,6 +179,7 @@ impl Atlas {
             is_moving: vec![false; seen.extraction.polylines.len()],
             extraction: Arc::clone(&seen.extraction),
             points: Arc::clone(&seen.points),
+            middle: middle_of(&seen.points),
             disordered_runs: disordered_runs(seen.scan, seen.extraction.noise_m, &settings.eraser).into(),
             is_doubtful: is_doubtful(step),
             map_from_scan: pose,
@@ -196,12 +197,12 @@ impl Atlas {
         let Some(alignment) = step.alignment.filter(|_| self.untied_m > TIE_AFTER_M) else {
             return;
         };
-        let here = seen_around(&self.keyframes[newest]);
+        let here = self.keyframes[newest].seen_around();
         let old = self
             .around
             .iter()
             .filter(|&&k| self.keyframes[newest].way_m - self.keyframes[k].way_m > 2.0 * LOCAL_M)
-            .map(|&k| (k, seen_around(&self.keyframes[k]).distance(here)))
+            .map(|&k| (k, self.keyframes[k].seen_around().distance(here)))
             .min_by(|a, b| a.1.total_cmp(&b.1));
         let Some((old, _)) = old.filter(|o| o.1 < TIE_WITHIN_M) else {
             return;
