@@ -26,6 +26,8 @@ pub(crate) struct Keyframe {
     /// Which of the polylines belong to moving objects, and are not merged.
     pub is_moving: Vec<bool>,
     pub points: Arc<[SidePoint]>,
+    /// The middle of the returns, laser frame.
+    pub middle: Point,
     /// Returns in a row that come from no stable shape, laser frame.
     pub disordered_runs: Arc<[Vec<Point>]>,
     /// Way of the scanner up to here, metres.
@@ -38,7 +40,18 @@ pub(crate) struct Keyframe {
     pub map_from_scan: Pose,
 }
 
+/// The middle of the returns, laser frame.
+pub(crate) fn middle_of(points: &[SidePoint]) -> Point {
+    let sum = points.iter().fold(Point::default(), |sum, p| sum + p.point);
+    sum / points.len().max(1) as f64
+}
+
 impl Keyframe {
+    /// The middle of what it saw, map frame: two scans show the same walls when these are near, wherever the scanner stood.
+    pub fn seen_around(&self) -> Point {
+        self.map_from_scan * self.middle
+    }
+
     /// The returns on the polylines that are merged.
     pub fn standing_points(&self) -> impl Iterator<Item = &SidePoint> {
         self.points.iter().filter(|p| !self.moves(p))
@@ -79,10 +92,11 @@ pub(crate) mod drawn {
             grid.insert(owner, wall.iter().map(|&(x, y)| Point::new(x, y)));
         }
         let geometry = ScanGeometry::new(0.0, 0.5_f64.to_radians(), 720).unwrap();
+        let mut reader = grid.reader();
         let ranges_m = (0..720)
             .map(|beam| {
                 let direction = Point::from_polar(1.0, geometry.bearing_rad(beam) + map_from_scan.theta_rad);
-                let hit = grid.first_along_ray(map_from_scan.translation(), direction, 30.0);
+                let hit = reader.first_along_ray(map_from_scan.translation(), direction, 30.0);
                 hit.map_or(f64::NAN, |h| h.range_m)
             })
             .collect();
@@ -93,6 +107,7 @@ pub(crate) mod drawn {
             number: 0,
             is_moving: vec![false; extraction.polylines.len()],
             extraction: Arc::new(extraction),
+            middle: super::middle_of(&points),
             points: points.into(),
             disordered_runs: Arc::new([]),
             scan: Arc::new(scan),

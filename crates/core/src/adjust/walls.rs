@@ -54,6 +54,7 @@ impl Walls {
 fn views(number: usize, keyframe: &Keyframe, sides: &SideGrid, gate_m: f64) -> Vec<View> {
     let pose = keyframe.map_from_scan;
     let mut found: Vec<(u32, u32)> = Vec::new();
+    let mut reader = sides.reader();
     for (k, p) in (0_u32..).zip(keyframe.points.iter()) {
         if keyframe.moves(p) {
             continue;
@@ -64,7 +65,7 @@ fn views(number: usize, keyframe: &Keyframe, sides: &SideGrid, gate_m: f64) -> V
             max_distance_m: gate_m,
             beyond_ends: false,
         };
-        let foot = sides.nearest(pose * p.point, &near, |_| true);
+        let foot = reader.nearest(pose * p.point, &near, |_| true);
         found.extend(foot.map(|foot| (foot.side, k)));
     }
     found.sort_unstable();

@@ -183,6 +183,7 @@ impl Round {
         let mut round = Self::default();
         let (sin, cos) = pose.theta_rad.sin_cos();
         let turn = |v: Point| Point::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
+        let mut reader = target.reader();
         for (p, gate_m) in points {
             // A wide gate comes with a poor heading: sides may then differ by more.
             let min_cos = if gate_m > 0.25 { 0.7 } else { 0.85 };
@@ -194,7 +195,7 @@ impl Round {
                 max_distance_m: gate_m,
                 beyond_ends: false,
             };
-            let Some(foot) = target.nearest(place, &near, |owner| allowed(p.polyline, owner)) else {
+            let Some(foot) = reader.nearest(place, &near, |owner| allowed(p.polyline, owner)) else {
                 continue;
             };
             let normal = target.side(foot.side).normal();

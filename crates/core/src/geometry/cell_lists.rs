@@ -72,34 +72,45 @@ impl CellLists {
     pub fn reader(&self) -> Reader<'_> {
         Reader {
             lists: self,
-            place: None,
-            block: None,
+            known: [None; REMEMBERED * REMEMBERED],
         }
     }
 }
 
-/// Looks into cells; remembers the block of the last one.
+/// Blocks along an edge of the square of blocks that a reader remembers (16 m).
+const REMEMBERED: usize = 4;
+
+/// Looks into cells; remembers the blocks that it has seen, one for each remainder of column and row.
 pub(super) struct Reader<'a> {
     lists: &'a CellLists,
-    place: Option<u64>,
-    block: Option<&'a Block>,
+    known: [Option<(u64, Option<&'a Block>)>; REMEMBERED * REMEMBERED],
 }
 
 impl<'a> Reader<'a> {
     /// What a cell holds, in no order.
     #[inline]
     pub fn get(&mut self, cell: Cell) -> &'a [u32] {
-        let place = place_of(cell);
-        if self.place != Some(place) {
-            self.place = Some(place);
-            let number = self.lists.of_place.get(&place);
-            self.block = number.map(|&k| &self.lists.blocks[k as usize]);
-        }
         let k = within(cell);
-        match self.block {
+        match self.block(cell) {
             Some(block) if block.occupied >> k & 1 != 0 => &block.cells[k],
             _ => &[],
         }
+    }
+
+    #[inline]
+    fn block(&mut self, cell: Cell) -> Option<&'a Block> {
+        let place = place_of(cell);
+        let remainder = |v: i32| (v >> BLOCK_BITS) as usize % REMEMBERED;
+        let known = &mut self.known[remainder(cell.1) * REMEMBERED + remainder(cell.0)];
+        if let Some((at, block)) = known
+            && *at == place
+        {
+            return *block;
+        }
+        let number = self.lists.of_place.get(&place);
+        let block = number.map(|&k| &self.lists.blocks[k as usize]);
+        *known = Some((place, block));
+        block
     }
 }
 

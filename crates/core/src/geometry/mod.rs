@@ -18,4 +18,4 @@ pub use point::Point;
 pub use polyline::{Polyline, PolylineError};
 pub use pose::Pose;
 pub use segment::Segment;
-pub(crate) use side_grid::{Crossing, Near, Side, SideGrid};
+pub(crate) use side_grid::{Crossing, GridReader, Near, Side, SideGrid};

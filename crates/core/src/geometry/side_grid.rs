@@ -5,7 +5,7 @@
 //! what the grid holds, not on how it came there: of two sides equally near, that of the lower polyline is taken, and of
 //! its sides the first.
 
-use super::cell_lists::CellLists;
+use super::cell_lists::{CellLists, Reader};
 use super::cells::{CELL_M, Cell, CellWalk, cell_at, cell_of, for_each_cell};
 use super::{Point, Segment};
 
@@ -202,24 +202,50 @@ impl SideGrid {
         id
     }
 
-    /// The nearest side that `near` allows and `allowed` (given its owner) agrees to.
-    pub fn nearest(&self, p: Point, near: &Near, allowed: impl Fn(u32) -> bool) -> Option<Foot> {
-        let mut best = Nearest {
+    /// For many questions about places near each other.
+    pub fn reader(&self) -> GridReader<'_> {
+        GridReader {
             grid: self,
+            cells: self.cells.reader(),
+        }
+    }
+
+    /// What decides between two sides that are equally near.
+    fn rank(&self, side: u32) -> (u32, u32) {
+        let side = self.side(side);
+        (side.owner, side.index)
+    }
+}
+
+/// Answers questions about places near each other: it remembers where the sides there are kept.
+pub(crate) struct GridReader<'a> {
+    grid: &'a SideGrid,
+    cells: Reader<'a>,
+}
+
+impl<'a> GridReader<'a> {
+    /// A side of the grid.
+    pub fn side(&self, side: u32) -> &'a Side {
+        self.grid.side(side)
+    }
+
+    /// The nearest side that `near` allows and `allowed` (given its owner) agrees to.
+    pub fn nearest(&mut self, p: Point, near: &Near, allowed: impl Fn(u32) -> bool) -> Option<Foot> {
+        let mut best = Nearest {
+            grid: self.grid,
             p,
             near,
             reach_m: near.max_distance_m,
             foot: None,
         };
-        let mut reader = self.cells.reader();
         // What is found in the point's own cell most often leaves no other to look at.
         let own = cell_at(p);
-        best.look(reader.get(own), &allowed);
+        best.look(self.cells.get(own), &allowed);
         let (x0, x1) = (cell_of(p.x - best.reach_m), cell_of(p.x + best.reach_m));
         let (y0, y1) = (cell_of(p.y - best.reach_m), cell_of(p.y + best.reach_m));
         for cy in y0..=y1 {
             for cx in x0..=x1 {
-                let list = reader.get((cx, cy));
+                let list = self.cells.get((cx, cy));
                 if !list.is_empty() && (cx, cy) != own && best.reaches((cx, cy)) {
                     best.look(list, &allowed);
                 }
@@ -233,18 +259,17 @@ impl SideGrid {
     ///
     /// `direction` has length 1.
     pub fn along_ray(
-        &self,
+        &mut self,
         origin: Point,
         direction: Point,
         max_range_m: f64,
         mut visit: impl FnMut(Crossing) -> bool,
     ) {
         let mut walk = CellWalk::new(origin, direction, max_range_m);
-        let mut reader = self.cells.reader();
         while let Some((cell, leave_m)) = walk.next_cell() {
             let mut go_on = true;
-            for &id in reader.get(cell) {
-                let Some((range_m, share)) = self.sides[id as usize].segment.meet_ray(origin, direction)
+            for &id in self.cells.get(cell) {
+                let Some((range_m, share)) = self.grid.sides[id as usize].segment.meet_ray(origin, direction)
                 else {
                     continue;
                 };
@@ -264,23 +289,18 @@ impl SideGrid {
     }
 
     /// The first side along the ray.
-    pub fn first_along_ray(&self, origin: Point, direction: Point, max_range_m: f64) -> Option<Crossing> {
+    pub fn first_along_ray(&mut self, origin: Point, direction: Point, max_range_m: f64) -> Option<Crossing> {
+        let grid = self.grid;
         let mut first: Option<Crossing> = None;
         self.along_ray(origin, direction, max_range_m, |c| {
             if first.is_none_or(|f| {
-                c.range_m < f.range_m || (c.range_m <= f.range_m && self.rank(c.side) < self.rank(f.side))
+                c.range_m < f.range_m || (c.range_m <= f.range_m && grid.rank(c.side) < grid.rank(f.side))
             }) {
                 first = Some(c);
             }
             false
         });
         first
-    }
-
-    /// What decides between two sides that are equally near.
-    fn rank(&self, side: u32) -> (u32, u32) {
-        let side = self.side(side);
-        (side.owner, side.index)
     }
 }
 
@@ -372,6 +392,7 @@ mod tests {
                 .map(|h| h.0)
                 .fold(20.0, f64::min);
             let found = grid
+                .reader()
                 .first_along_ray(origin, direction, 20.0)
                 .map_or(20.0, |c| c.range_m);
             assert!((naive - found).abs() < 1e-9, "ray {k}: {naive} against {found}");
@@ -390,7 +411,7 @@ mod tests {
                 beyond_ends: true,
             };
             let naive = all.iter().map(|s| s.distance(p)).fold(f64::INFINITY, f64::min);
-            match grid.nearest(p, &near, |_| true) {
+            match grid.reader().nearest(p, &near, |_| true) {
                 Some(foot) => assert!((foot.distance_m - naive).abs() < 1e-9),
                 None => assert!(naive > 0.8, "missed a side at {naive} m"),
             }
@@ -404,7 +425,8 @@ mod tests {
             grid.remove(k);
         }
         assert!(
-            grid.first_along_ray(Point::default(), Point::new(1.0, 0.0), 50.0)
+            grid.reader()
+                .first_along_ray(Point::default(), Point::new(1.0, 0.0), 50.0)
                 .is_none()
         );
     }

@@ -11,6 +11,6 @@ mod ties;
 pub(crate) mod ways;
 
 pub use recognise::RecogniseSettings;
-pub(crate) use recognise::{Lookup, Recognised, find_in, recognise, seen_around};
+pub(crate) use recognise::{Lookup, Recognised, find_in, recognise};
 pub(crate) use second_look::place_again;
 pub(crate) use ties::ties;

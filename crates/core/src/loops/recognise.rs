@@ -67,10 +67,10 @@ pub(crate) fn recognise(
     let newest = keyframes.len().checked_sub(1)?;
     let travelled = |k: usize| ways_m[k].unwrap_or(f64::INFINITY);
     let drift = |k: usize| Drift::after(travelled(k), settings);
-    let seen_here = seen_around(&keyframes[newest]);
+    let seen_here = keyframes[newest].seen_around();
     let (old, _) = (0..newest)
         .filter(|&k| travelled(k) > local_m)
-        .map(|k| (k, seen_around(&keyframes[k]).distance(seen_here)))
+        .map(|k| (k, keyframes[k].seen_around().distance(seen_here)))
         .filter(|&(k, off_m)| off_m < drift(k).window_m + SAME_VIEW_M)
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
     let place = Place::around(keyframes, old, settings.stretch_m);
@@ -194,16 +194,6 @@ const NEARER_FIT: f64 = 0.05;
 
 /// Scans whose middles are farther apart than this, besides the drift, show different things.
 const SAME_VIEW_M: f64 = 3.0;
-
-/// The middle of what a keyframe saw, map frame: two scans show the same walls when these are near, wherever the
-/// scanner stood.
-pub(crate) fn seen_around(keyframe: &Keyframe) -> Point {
-    let sum = keyframe
-        .points
-        .iter()
-        .fold(Point::default(), |sum, p| sum + p.point);
-    keyframe.map_from_scan * (sum / keyframe.points.len().max(1) as f64)
-}
 
 /// Keyframes within `stretch_m` of path of keyframe `middle`, some half a metre apart.
 fn stretch(

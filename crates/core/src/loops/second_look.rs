@@ -5,7 +5,7 @@
 //! the end what all others saw, before and after, tells how well it lies, and the few that lie worst are looked for anew.
 
 use super::graph::Edge;
-use super::recognise::{Drift, Place, RecogniseSettings, View, seen_around};
+use super::recognise::{Drift, Place, RecogniseSettings, View};
 use crate::align::AlignSettings;
 use crate::geometry::{Pose, wrap_rad};
 use crate::keyframe::Keyframe;
@@ -70,10 +70,10 @@ fn is_likelier(keyframes: &[Keyframe], edge: &Edge) -> bool {
 
 /// Keyframes that saw what keyframe `k` saw, nearest first.
 fn witnesses(keyframes: &[Keyframe], k: usize) -> Vec<usize> {
-    let here = seen_around(&keyframes[k]);
+    let here = keyframes[k].seen_around();
     let mut near: Vec<(f64, usize)> = (0..keyframes.len())
         .filter(|&j| j.abs_diff(k) > ACCOMPLICES)
-        .map(|j| (seen_around(&keyframes[j]).distance(here), j))
+        .map(|j| (keyframes[j].seen_around().distance(here), j))
         .filter(|n| n.0 < SAME_VIEW_M)
         .collect();
     near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

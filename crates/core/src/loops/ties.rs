@@ -5,7 +5,6 @@
 //! their own drift, and without further ties the place would stand twice, some decimetres apart.
 
 use super::graph::Edge;
-use super::recognise::seen_around;
 use crate::align::{AlignSettings, Guess, align_to_grid};
 use crate::geometry::SideGrid;
 use crate::keyframe::Keyframe;
@@ -62,9 +61,9 @@ fn tie(
     if !is_near || agreement.fit() < LEAST_FIT || agreement.known_share() < LEAST_KNOWN {
         return None;
     }
-    let here = seen_around(keyframe);
+    let here = keyframe.seen_around();
     let from = earlier.iter().copied().min_by(|&a, &b| {
-        let distance = |k: usize| seen_around(&keyframes[k]).distance(here);
+        let distance = |k: usize| keyframes[k].seen_around().distance(here);
         distance(a).total_cmp(&distance(b))
     })?;
     let map_from_old = keyframes[from].map_from_scan;

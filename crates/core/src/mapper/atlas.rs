@@ -15,10 +15,10 @@ use std::sync::Arc;
 
 use crate::align::{Alignment, Information};
 use crate::geometry::{Pose, wrap_rad};
-use crate::keyframe::{Keyframe, Seen};
+use crate::keyframe::{Keyframe, Seen, middle_of};
 use crate::loops::graph::{Edge, contradicted, optimise};
 use crate::loops::ways::ways_m;
-use crate::loops::{Recognised, recognise, seen_around, ties};
+use crate::loops::{Recognised, recognise, ties};
 use crate::map::Map;
 use crate::merge::eraser::{boxes, disordered_runs};
 use crate::merge::finish::finish;
@@ -188,6 +188,7 @@ impl Atlas {
             is_moving: vec![false; seen.extraction.polylines.len()],
             extraction: Arc::clone(&seen.extraction),
             points: Arc::clone(&seen.points),
+            middle: middle_of(&seen.points),
             disordered_runs: disordered_runs(seen.scan, seen.extraction.noise_m, &settings.eraser).into(),
             is_doubtful: is_doubtful(step),
             step: speed,
@@ -206,12 +207,12 @@ impl Atlas {
         let Some(alignment) = step.alignment.filter(|_| self.untied_m > TIE_AFTER_M) else {
             return;
         };
-        let here = seen_around(&self.keyframes[newest]);
+        let here = self.keyframes[newest].seen_around();
         let old = self
             .around
             .iter()
             .filter(|&&k| self.keyframes[newest].way_m - self.keyframes[k].way_m > 2.0 * LOCAL_M)
-            .map(|&k| (k, seen_around(&self.keyframes[k]).distance(here)))
+            .map(|&k| (k, self.keyframes[k].seen_around().distance(here)))
             .min_by(|a, b| a.1.total_cmp(&b.1));
         let Some((old, _)) = old.filter(|o| o.1 < TIE_WITHIN_M) else {
             return;
@@ -243,22 +244,26 @@ impl Atlas {
         }
     }
 
-    /// Looks for a known place, moves the keyframes if one is found, and makes the map around anew when it is due.
-    /// Returns the motion of the map frame that the newest keyframe has made.
+    /// Looks for a known place, and moves the keyframes if one is found. Returns the motion of the map frame that the newest
+    /// keyframe has made.
     pub fn close_loops(&mut self, step: &mut Step, settings: &Settings) -> Pose {
         let (newest, before) = self.newest();
-        let mut is_closed = false;
         if self.unlooked_m > LOOK_AFTER_M {
             self.unlooked_m = 0.0;
-            if let Some(found) = self.known_place(settings) {
-                is_closed = self.close(found, settings);
-                if is_closed {
-                    step.recognised = Some(self.keyframes[found.edge.from].number);
-                    step.revoked = self.revoke();
-                }
+            if let Some(found) = self.known_place(settings)
+                && self.close(found, settings)
+            {
+                step.recognised = Some(self.keyframes[found.edge.from].number);
+                step.revoked = self.revoke();
+                self.has_moved = true;
             }
         }
-        if is_closed || self.has_moved {
+        self.pose(newest) * before.inverse()
+    }
+
+    /// Makes the map around anew, or brings it up to where the scanner is, when it is due.
+    pub fn renew(&mut self, settings: &Settings) {
+        if self.has_moved {
             self.renew_local(settings);
         }
         if let Some(first) = self.stale_from.take() {
@@ -267,7 +272,6 @@ impl Atlas {
         if self.unrenewed_m > RENEW_AFTER_M {
             self.follow_local(settings);
         }
-        self.pose(newest) * before.inverse()
     }
 
     /// Takes a closure into the graph, at once if it moves things little, else when others agree with it.

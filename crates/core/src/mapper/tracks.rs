@@ -30,6 +30,8 @@ pub(super) struct Onward {
     pub way: Way,
     /// Merit with this scan.
     pub merit: f64,
+    /// Whether it is the best of them.
+    pub leads: bool,
 }
 
 /// How the tracks go on, best first; `answers` has one for each track, and `backs` what the maps say that were left.
@@ -51,6 +53,7 @@ pub(super) fn onward(
                 track,
                 way,
                 merit: before + merit,
+                leads: false,
             });
         };
         let Some(best) = answer.believed.first().map(|b| b.merit) else {
@@ -88,7 +91,10 @@ fn kept(mut all: Vec<Onward>, most: usize) -> Vec<Onward> {
     for o in all {
         let is_new = !kept.iter().any(|k| is_same(k, &o));
         if o.merit > best - END_BEHIND && is_new && kept.len() < most {
-            kept.push(o);
+            kept.push(Onward {
+                leads: kept.is_empty(),
+                ..o
+            });
         }
     }
     kept

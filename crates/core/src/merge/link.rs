@@ -2,7 +2,7 @@
 
 use super::growing_map::GrowingMap;
 use super::simulate::ScanPoint;
-use crate::geometry::{Near, Point};
+use crate::geometry::{GridReader, Near, Point};
 
 /// A place on a polyline of the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,18 +38,19 @@ impl Run {
 /// both to pieces.
 pub(crate) fn runs(map: &GrowingMap, points: &[ScanPoint], gate_m: f64) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
+    let mut reader = map.dense.reader();
     for (number, &point) in points.iter().enumerate() {
         let previous = runs.last().and_then(|r| r.slot);
         let link = previous
-            .and_then(|slot| closest(map, &point, gate_m, |s| s == slot))
-            .or_else(|| closest(map, &point, gate_m, |_| true));
+            .and_then(|slot| closest(&mut reader, &point, gate_m, |s| s == slot))
+            .or_else(|| closest(&mut reader, &point, gate_m, |_| true));
         push(&mut runs, number, point, link);
     }
     without_flickers(runs, gate_m)
 }
 
 pub(super) fn closest(
-    map: &GrowingMap,
+    sides: &mut GridReader,
     p: &ScanPoint,
     gate_m: f64,
     allowed: impl Fn(u32) -> bool,
@@ -62,8 +63,8 @@ pub(super) fn closest(
         max_distance_m: gate_m,
         beyond_ends: false,
     };
-    let foot = map.dense.nearest(p.vertex.point, &near, allowed)?;
-    let side = map.dense.side(foot.side);
+    let foot = sides.nearest(p.vertex.point, &near, allowed)?;
+    let side = sides.side(foot.side);
     Some(Link {
         slot: side.owner,
         at: f64::from(side.index) + foot.share,

@@ -130,10 +130,11 @@ fn is_known(object: &Object, map: &GrowingMap, settings: &MovingSettings) -> boo
         max_distance_m: settings.least_way_m,
         beyond_ends: true,
     };
+    let mut reader = map.dense.reader();
     let known = object
         .points
         .iter()
-        .filter(|&&p| map.dense.nearest(p, &near, |_| true).is_some())
+        .filter(|&&p| reader.nearest(p, &near, |_| true).is_some())
         .count();
     2 * known > object.points.len()
 }

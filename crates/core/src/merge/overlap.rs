@@ -50,6 +50,7 @@ fn turns(vertices: &[Vertex], gate_m: f64) -> Vec<Vec<Vertex>> {
         before.insert(owner, stretch.iter().map(|v| v.point));
     }
     let points = points_of(vertices);
+    let mut reader = before.reader();
     let is_again = |k: usize| {
         let near = Near {
             direction: points[k].direction,
@@ -58,7 +59,7 @@ fn turns(vertices: &[Vertex], gate_m: f64) -> Vec<Vec<Vertex>> {
             beyond_ends: true,
         };
         let stretch = (k / TURN_VERTICES) as u32;
-        before
+        reader
             .nearest(points[k].vertex.point, &near, |owner| owner + 1 < stretch)
             .is_some()
     };
@@ -91,10 +92,11 @@ fn merge_each(map: &mut GrowingMap, settings: &MergeSettings) -> usize {
             continue;
         };
         let points = points_of(&polyline.vertices);
+        let mut sides = map.dense.reader();
         let others = |owner: u32| owner != slot;
         let overlapping = points
             .iter()
-            .filter(|p| super::link::closest(map, p, settings.gate_m, others).is_some());
+            .filter(|p| super::link::closest(&mut sides, p, settings.gate_m, others).is_some());
         // One point is where two walls meet.
         if overlapping.take(2).count() == 2 {
             map.remove(slot);

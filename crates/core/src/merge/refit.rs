@@ -54,6 +54,7 @@ impl Offsets {
             first.push(first[first.len() - 1] + pieces);
         }
         let mut returns: Vec<Vec<f64>> = vec![Vec::new(); first[first.len() - 1]];
+        let mut reader = map.skeleton.reader();
         for keyframe in keyframes {
             for p in keyframe.standing_points() {
                 let place = keyframe.map_from_scan * p.point;
@@ -63,7 +64,7 @@ impl Offsets {
                     max_distance_m: gate_m,
                     beyond_ends: false,
                 };
-                let Some(foot) = map.skeleton.nearest(place, &near, |_| true) else {
+                let Some(foot) = reader.nearest(place, &near, |_| true) else {
                     continue;
                 };
                 let side = map.skeleton.side(foot.side);

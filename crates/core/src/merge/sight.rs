@@ -46,13 +46,14 @@ fn sides_looked_through(
 ) -> Vec<(u32, u32)> {
     let origin = map_from_scan.translation();
     let mut through = Vec::new();
+    let mut reader = map.dense.reader();
     for (_, point) in scan.points() {
         let place = map_from_scan * point;
         let Some(direction) = (place - origin).unit() else {
             continue;
         };
         let free_m = origin.distance(place) - settings.sight_margin_m;
-        map.dense.along_ray(origin, direction, free_m, |crossing| {
+        reader.along_ray(origin, direction, free_m, |crossing| {
             if is_looked_through(map, &crossing, direction, place, settings) {
                 let side = map.dense.side(crossing.side);
                 through.push((side.owner, side.index));
@@ -86,15 +87,15 @@ fn sides_missed(
         vertex.is_some_and(|v| v.onward.hits > FEW_HITS)
     };
     let mut missed = Vec::new();
+    let mut reader = map.dense.reader();
     let mut met: Vec<Crossing> = Vec::new();
     for (beam, _) in scan.ranges_m().iter().enumerate().filter(|(_, r)| !r.is_finite()) {
         let direction = Point::from_polar(1.0, scan.bearing_rad(beam) + map_from_scan.theta_rad);
         met.clear();
-        map.dense
-            .along_ray(origin, direction, 0.95 * farthest_m, |crossing| {
-                met.push(crossing);
-                !is_founded(&crossing)
-            });
+        reader.along_ray(origin, direction, 0.95 * farthest_m, |crossing| {
+            met.push(crossing);
+            !is_founded(&crossing)
+        });
         let wall_m = met
             .iter()
             .filter(|c| is_founded(c))

@@ -86,6 +86,7 @@ pub(crate) fn judge(points: &[SidePoint], map: &SideGrid, map_from_scan: Pose, g
         beams: points.len(),
         ..Agreement::default()
     };
+    let mut reader = map.reader();
     for p in points {
         let place = map_from_scan * p.point;
         let range_m = origin.distance(place);
@@ -95,7 +96,7 @@ pub(crate) fn judge(points: &[SidePoint], map: &SideGrid, map_from_scan: Pose, g
         let reach_m = range_m + 2.0;
         let mut on_map = false;
         let mut first: Option<Crossing> = None;
-        map.along_ray(origin, direction, reach_m, |crossing| {
+        reader.along_ray(origin, direction, reach_m, |crossing| {
             let side = map.side(crossing.side);
             let off_m = side.normal().dot(place - side.segment.a).abs();
             // Seen at a grazing angle, a side may be met metres before or behind a return that lies on it.

@@ -46,10 +46,11 @@ fn visible(map: &GrowingMap, map_from_last: Pose) -> Vec<Stretch> {
     let origin = map_from_last.translation();
     let mut out: Vec<Stretch> = Vec::new();
     let rays = (std::f64::consts::TAU / STEP_RAD).round() as i32;
+    let mut reader = map.skeleton.reader();
     for k in 0..rays {
         let bearing_rad = map_from_last.theta_rad + std::f64::consts::PI + STEP_RAD * f64::from(k);
         let direction = Point::from_polar(1.0, bearing_rad);
-        let Some(hit) = map.skeleton.first_along_ray(origin, direction, REACH_M) else {
+        let Some(hit) = reader.first_along_ray(origin, direction, REACH_M) else {
             continue;
         };
         let side = map.skeleton.side(hit.side);

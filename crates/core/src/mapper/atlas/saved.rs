@@ -7,7 +7,7 @@ use crate::align::side_points;
 use crate::extract::{ExtractSettings, extract};
 use crate::geometry::Pose;
 use crate::join::{SavedEdge, SavedKeyframe, SavedMap};
-use crate::keyframe::Keyframe;
+use crate::keyframe::{Keyframe, middle_of};
 use crate::loops::graph::Edge;
 use crate::mapper::Settings;
 use crate::merge::eraser::disordered_runs;
@@ -89,6 +89,7 @@ fn restored_keyframe(kept: &SavedKeyframe, way_m: f64, settings: &Settings) -> K
         is_moving: (0..extraction.polylines.len())
             .map(|p| kept.moving.contains(&p))
             .collect(),
+        middle: middle_of(&points),
         points: points.into(),
         disordered_runs: disordered_runs(&kept.scan, extraction.noise_m, &settings.eraser).into(),
         scan: Arc::new(kept.scan.clone()),

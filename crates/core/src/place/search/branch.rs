@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use super::field::{CELL_M, Field, LEVELS, sector};
+use super::field::{CELL_M, Field, FieldPoint, LEVELS};
 use crate::geometry::{Point, Pose, wrap_rad};
 
 /// The poses to search.
@@ -42,8 +42,8 @@ const MOST_BLOCKS: usize = 60_000;
 
 struct Heading {
     heading_rad: f64,
-    /// Cell and sector of every point, turned and moved to the window's centre.
-    points: Vec<(i32, i32, usize)>,
+    /// Turned and moved to the window's centre.
+    points: Vec<FieldPoint>,
 }
 
 #[derive(PartialEq, Eq)]
@@ -80,28 +80,22 @@ pub(crate) fn search(field: &Field, points: &[(Point, Point)], window: &Window) 
     let least = (window.min_score * f64::from(most)) as u32;
     let half = (window.half_m / CELL_M).ceil() as i32;
     let top = LEVELS - 1;
-    let mut queue = BinaryHeap::new();
+    let mut hunt = Hunt {
+        field,
+        headings: &headings,
+        half,
+        least,
+        queue: BinaryHeap::new(),
+    };
     for heading in 0..headings.len() {
-        for y in (-half..=half).step_by(1 << top) {
-            for x in (-half..=half).step_by(1 << top) {
-                push(
-                    &mut queue,
-                    field,
-                    &headings,
-                    Block {
-                        bound: 0,
-                        level: top,
-                        heading,
-                        x,
-                        y,
-                    },
-                    least,
-                );
+        for y in (-half..=half).step_by(2 << top) {
+            for x in (-half..=half).step_by(2 << top) {
+                hunt.divide(top, heading, x, y);
             }
         }
     }
     let mut looked_at = 0;
-    while let Some(block) = queue.pop() {
+    while let Some(block) = hunt.queue.pop() {
         looked_at += 1;
         if looked_at > MOST_BLOCKS || found.len() >= window.wanted {
             break;
@@ -128,26 +122,14 @@ pub(crate) fn search(field: &Field, points: &[(Point, Point)], window: &Window) 
             }
             continue;
         }
-        let level = block.level - 1;
-        let step = 1 << level;
-        for (dx, dy) in [(0, 0), (step, 0), (0, step), (step, step)] {
-            let child = Block {
-                bound: 0,
-                level,
-                heading: block.heading,
-                x: block.x + dx,
-                y: block.y + dy,
-            };
-            if child.x <= half && child.y <= half {
-                push(&mut queue, field, &headings, child, least);
-            }
-        }
+        hunt.divide(block.level - 1, block.heading, block.x, block.y);
     }
     found
 }
 
 fn headings(field: &Field, points: &[(Point, Point)], window: &Window) -> Vec<Heading> {
     let count = (window.half_rad.min(std::f64::consts::PI) / HEADING_STEP_RAD).ceil() as i32;
+    let bearings_rad: Vec<f64> = points.iter().map(|(_, d)| d.bearing_rad()).collect();
     (-count..=count)
         .map(|k| {
             let heading_rad = window.centre.theta_rad + f64::from(k) * HEADING_STEP_RAD;
@@ -155,10 +137,10 @@ fn headings(field: &Field, points: &[(Point, Point)], window: &Window) -> Vec<He
             let (sin, cos) = heading_rad.sin_cos();
             let points = points
                 .iter()
-                .map(|&(p, d)| {
-                    let turn = |v: Point| Point::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
-                    let (x, y) = field.cell(turn(p) + pose.translation());
-                    (x, y, sector(turn(d)))
+                .zip(&bearings_rad)
+                .map(|(&(p, _), bearing_rad)| {
+                    let turned = Point::new(cos * p.x - sin * p.y, sin * p.x + cos * p.y);
+                    field.point(turned + pose.translation(), bearing_rad + heading_rad)
                 })
                 .collect();
             Heading { heading_rad, points }
@@ -166,14 +148,35 @@ fn headings(field: &Field, points: &[(Point, Point)], window: &Window) -> Vec<He
         .collect()
 }
 
-fn push(queue: &mut BinaryHeap<Block>, field: &Field, headings: &[Heading], mut block: Block, least: u32) {
-    block.bound = headings[block.heading]
-        .points
-        .iter()
-        .map(|&(x, y, sector)| field.value(block.level, sector, x + block.x, y + block.y))
-        .sum();
-    if block.bound > least {
-        queue.push(block);
+/// The blocks that wait to be divided.
+struct Hunt<'a> {
+    field: &'a Field,
+    headings: &'a [Heading],
+    /// Half the window, cells.
+    half: i32,
+    /// Bound above which a block is worth keeping.
+    least: u32,
+    queue: BinaryHeap<Block>,
+}
+
+impl Hunt<'_> {
+    /// Bounds the four blocks of `level` that make up the block of the level above at (`x`, `y`), and queues those that
+    /// are worth it.
+    fn divide(&mut self, level: usize, heading: usize, x: i32, y: i32) {
+        let bounds = self.field.sum_four(level, &self.headings[heading].points, (x, y));
+        let step = 1 << level;
+        let places = [(x, y), (x + step, y), (x, y + step), (x + step, y + step)];
+        for (bound, (x, y)) in bounds.into_iter().zip(places) {
+            if bound > self.least && x <= self.half && y <= self.half {
+                self.queue.push(Block {
+                    bound,
+                    level,
+                    heading,
+                    x,
+                    y,
+                });
+            }
+        }
     }
 }
 
@@ -256,11 +259,7 @@ mod tests {
         for heading in headings(&field, &points, &window) {
             for x in -10..=10 {
                 for y in -10..=10 {
-                    let sum: u32 = heading
-                        .points
-                        .iter()
-                        .map(|&(px, py, s)| field.value(0, s, px + x, py + y))
-                        .sum();
+                    let sum: u32 = heading.points.iter().map(|p| field.value(0, p.moved(x, y))).sum();
                     naive = naive.max(f64::from(sum) / (255.0 * points.len() as f64));
                 }
             }

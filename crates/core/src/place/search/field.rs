@@ -24,9 +24,29 @@ pub(crate) struct Field {
     levels: Vec<Vec<u8>>,
 }
 
+/// A place on the grid, and which way what stands there faces.
+#[derive(Clone, Copy)]
+pub(crate) struct FieldPoint {
+    x: i32,
+    y: i32,
+    /// Where the cells of its sector begin.
+    plane: u32,
+}
+
+impl FieldPoint {
+    /// The same elsewhere, by cells.
+    pub fn moved(self, dx: i32, dy: i32) -> Self {
+        Self {
+            x: self.x + dx,
+            y: self.y + dy,
+            ..self
+        }
+    }
+}
+
 /// Sector of a direction.
-pub(crate) fn sector(direction: Point) -> usize {
-    let turn = direction.y.atan2(direction.x) / std::f64::consts::TAU * SECTORS as f64;
+fn sector(bearing_rad: f64) -> usize {
+    let turn = bearing_rad / std::f64::consts::TAU * SECTORS as f64;
     (turn.round() as i64).rem_euclid(SECTORS as i64) as usize
 }
 
@@ -65,7 +85,7 @@ impl Field {
         let Some(direction) = side.direction() else { return };
         let length_m = side.length_m();
         let steps = (length_m / (0.5 * CELL_M)).ceil().max(1.0);
-        let main = sector(direction) as f64;
+        let main = sector(direction.bearing_rad()) as f64;
         for s in 0..SECTORS {
             let axis = Point::from_polar(1.0, s as f64 * std::f64::consts::TAU / SECTORS as f64);
             // cos 67.5°: a side may turn by 22.5° against the sector's edge and still be found.
@@ -97,26 +117,18 @@ impl Field {
     /// Level k + 1 at (x, y) is the maximum of level k at (x, y), (x + 2ᵏ, y), (x, y + 2ᵏ) and both: full resolution,
     /// so that a block may start at any cell.
     fn build_pyramid(&mut self) {
+        let (width, height) = (self.width as usize, self.height as usize);
         for level in 1..LEVELS {
-            let reach = 1_i32 << (level - 1);
+            let reach = 1_usize << (level - 1);
             let below = &self.levels[level - 1];
-            let mut above = below.clone();
-            let (w, h) = (self.width as usize, self.height as usize);
-            let reach = reach as usize;
-            for sector in 0..SECTORS {
-                for y in 0..h {
-                    let row = (sector * h + y) * w;
-                    for x in 0..w.saturating_sub(reach) {
-                        above[row + x] = above[row + x].max(below[row + x + reach]);
-                    }
-                }
-                let plane = sector * h * w;
-                for y in 0..h.saturating_sub(reach) {
-                    for x in 0..w {
-                        let k = plane + y * w + x;
-                        above[k] = above[k].max(above[k + reach * w]);
-                    }
-                }
+            let mut wide = below.clone();
+            for (wide, below) in wide.chunks_exact_mut(width).zip(below.chunks_exact(width)) {
+                raise(wide, below.get(reach..).unwrap_or_default());
+            }
+            let mut above = wide.clone();
+            let planes = above.chunks_exact_mut(width * height);
+            for (above, wide) in planes.zip(wide.chunks_exact(width * height)) {
+                raise(above, wide.get(reach * width..).unwrap_or_default());
             }
             self.levels.push(above);
         }
@@ -127,19 +139,68 @@ impl Field {
     }
 
     /// The cell that holds a point; may lie outside.
-    pub fn cell(&self, p: Point) -> (i32, i32) {
+    fn cell(&self, p: Point) -> (i32, i32) {
         let q = (p - self.origin) / CELL_M;
         (q.x.floor() as i32, q.y.floor() as i32)
     }
 
-    /// Maximum of the field over the block of 2^level cells from (x, y) on, in 255ths.
-    pub fn value(&self, level: usize, sector: usize, x: i32, y: i32) -> u32 {
+    /// A point on the grid; `bearing_rad` is the direction of its side.
+    pub fn point(&self, p: Point, bearing_rad: f64) -> FieldPoint {
+        let (x, y) = self.cell(p);
+        FieldPoint {
+            x,
+            y,
+            plane: (sector(bearing_rad) * self.height as usize * self.width as usize) as u32,
+        }
+    }
+
+    /// Maximum of the field over the block of 2^level cells from a place on, in 255ths.
+    pub fn value(&self, level: usize, at: FieldPoint) -> u32 {
         // A block that starts outside may still reach in; its overhang is bounded by the block's first inner cell.
         let reach = (1_i32 << level) - 1;
-        if x < -reach || y < -reach || x >= self.width || y >= self.height {
+        if at.x < -reach || at.y < -reach || at.x >= self.width || at.y >= self.height {
             return 0;
         }
-        u32::from(self.levels[level][self.index(sector, x.max(0), y.max(0))])
+        let cell = at.y.max(0) as usize * self.width as usize + at.x.max(0) as usize;
+        u32::from(self.levels[level][at.plane as usize + cell])
+    }
+
+    /// Sums of [`Self::value`] over points moved by (`dx`, `dy`): of the blocks that begin there, of those beside them, of those
+    /// above, and of those above beside them.
+    pub fn sum_four(&self, level: usize, points: &[FieldPoint], (dx, dy): (i32, i32)) -> [u32; 4] {
+        let step = 1_i32 << level;
+        let (inner_width, inner_height) = ((self.width - step).max(0), (self.height - step).max(0));
+        let width = self.width as usize;
+        let (right, up) = (step as usize, step as usize * width);
+        let cells = self.levels[level].as_slice();
+        let mut sums = [0; 4];
+        for p in points {
+            let at = p.moved(dx, dy);
+            let is_inside = (at.x as u32) < inner_width as u32 && (at.y as u32) < inner_height as u32;
+            if is_inside {
+                let first = at.plane as usize + at.y as usize * width + at.x as usize;
+                let Some(block) = cells.get(first..=first + up + right) else {
+                    continue;
+                };
+                sums[0] += u32::from(block[0]);
+                sums[1] += u32::from(block[right]);
+                sums[2] += u32::from(block[up]);
+                sums[3] += u32::from(block[up + right]);
+            } else {
+                let blocks = [(0, 0), (step, 0), (0, step), (step, step)];
+                for (sum, (dx, dy)) in sums.iter_mut().zip(blocks) {
+                    *sum += self.value(level, at.moved(dx, dy));
+                }
+            }
+        }
+        sums
+    }
+}
+
+/// Each cell becomes the larger one of itself and the other.
+fn raise(cells: &mut [u8], others: &[u8]) {
+    for (cell, other) in cells.iter_mut().zip(others) {
+        *cell = (*cell).max(*other);
     }
 }
 
