@@ -80,6 +80,7 @@ impl Pair {
                 direction: side.direction()?,
                 sigma_m: self.extraction.noise_m,
                 worth: 1.0,
+                is_on_short_side: false,
                 polyline: *polyline,
             })
         };

@@ -14,6 +14,8 @@ pub struct SidePoint {
     /// (the wall is not quite straight, the map's side not quite in place), so a hundred of them do not tell a
     /// hundred times as much as one.
     pub worth: f64,
+    /// Whether its side is so short that the direction is not known: it may lie on any side that faces the same way.
+    pub is_on_short_side: bool,
     /// Which polyline of the scan it belongs to.
     pub polyline: u32,
 }
@@ -186,7 +188,11 @@ impl Round {
         let mut reader = target.reader();
         for (p, gate_m) in points {
             // A wide gate comes with a poor heading: sides may then differ by more.
-            let min_cos = if gate_m > 0.25 { 0.7 } else { 0.85 };
+            let min_cos = match (p.is_on_short_side, gate_m > 0.25) {
+                (true, _) => 0.3,
+                (false, true) => 0.7,
+                (false, false) => 0.85,
+            };
             let arm = turn(p.point);
             let place = arm + pose.translation();
             let near = Near {
@@ -288,6 +294,7 @@ mod tests {
                     direction,
                     sigma_m: 0.01,
                     worth: 0.1,
+                    is_on_short_side: false,
                     polyline: k as u32,
                 }));
             }

@@ -137,6 +137,7 @@ mod tests {
             direction: up,
             sigma_m: 0.01,
             worth: 1.0,
+            is_on_short_side: false,
             polyline: 0,
         };
         judge(&[point], &grid(), Pose::IDENTITY, 0.1)
@@ -153,6 +154,7 @@ mod tests {
                 direction: Point::new(0.0, -1.0),
                 sigma_m: 0.01,
                 worth: 1.0,
+                is_on_short_side: false,
                 polyline: 0,
             }],
             &grid(),
@@ -172,6 +174,7 @@ mod tests {
             direction: Point::new(0.0, 1.0),
             sigma_m: 0.01,
             worth: 1.0,
+            is_on_short_side: false,
             polyline: 0,
         };
         let both = judge(&[point], &grid, Pose::IDENTITY, 0.1);

@@ -91,6 +91,7 @@ impl Equations {
     fn new(older: &Keyframe, newer: &Keyframe, sides: &SideGrid, pose: Pose, share: f64) -> Option<Self> {
         let mut equations = Self::default();
         let (mut asked, mut matched) = (0_usize, 0_usize);
+        let mut reader = sides.reader();
         for p in newer.standing_points() {
             asked += 1;
             let arm = pose.rotate(p.point + correction(newer, p.point, share));
@@ -101,7 +102,7 @@ impl Equations {
                 max_distance_m: GATE_M,
                 beyond_ends: false,
             };
-            let Some(foot) = sides.nearest(place, &near, |_| true) else {
+            let Some(foot) = reader.nearest(place, &near, |_| true) else {
                 continue;
             };
             matched += 1;

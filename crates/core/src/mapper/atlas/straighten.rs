@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::Atlas;
 use crate::align::side_points;
 use crate::extract::{ExtractSettings, Extraction, extract};
-use crate::keyframe::Keyframe;
+use crate::keyframe::{Keyframe, middle_of};
 use crate::mapper::Settings;
 use crate::merge::eraser::disordered_runs;
 
@@ -35,6 +35,7 @@ fn straighten(keyframe: &mut Keyframe, share: f64, settings: &Settings) {
     );
     keyframe.is_moving = still_moving(keyframe, &extraction);
     keyframe.points = side_points(&scan, &extraction.polylines, extraction.noise_m).into();
+    keyframe.middle = middle_of(&keyframe.points);
     keyframe.disordered_runs = disordered_runs(&scan, extraction.noise_m, &settings.eraser).into();
     keyframe.extraction = Arc::new(extraction);
     keyframe.scan = Arc::new(scan);
