@@ -5,6 +5,7 @@
 //! between which little drift has gathered ([`local`]). The map of all keyframes is made when it is asked for.
 
 mod local;
+mod look_back;
 mod saved;
 mod settle;
 mod straighten;
@@ -250,7 +251,7 @@ impl Atlas {
         let (newest, before) = self.newest();
         if self.unlooked_m > LOOK_AFTER_M {
             self.unlooked_m = 0.0;
-            if let Some(found) = self.known_place(settings)
+            if let Some(found) = self.known_place(newest, settings)
                 && self.close(found, settings)
             {
                 step.recognised = Some(self.keyframes[found.edge.from].number);
@@ -295,7 +296,7 @@ impl Atlas {
         }
         self.edges.append(&mut self.waiting);
         self.optimise();
-        self.tie_visits(settings);
+        self.tie_visits(edge.to, settings);
         true
     }
 
@@ -322,21 +323,21 @@ impl Atlas {
         revoked
     }
 
-    /// Ties the keyframes of the last metres to the earlier visit of the place that was recognised.
-    fn tie_visits(&mut self, settings: &Settings) {
-        let newest_m = self.keyframes.last().map_or(0.0, |k| k.way_m);
-        let (mut earlier, mut newer) = (Vec::new(), Vec::new());
+    /// Ties the keyframes of the metres about `newer` to the earlier visit of the place that was recognised.
+    fn tie_visits(&mut self, newer: usize, settings: &Settings) {
+        let newer_m = self.keyframes[newer].way_m;
+        let (mut earlier, mut later) = (Vec::new(), Vec::new());
         let mut tied_m = f64::INFINITY;
-        for k in self.keyframes_around().into_iter().rev() {
+        for k in self.keyframes_around(newer).into_iter().rev() {
             let way_m = self.keyframes[k].way_m;
-            if newest_m - way_m > 2.0 * LOCAL_M {
+            if newer_m - way_m > 2.0 * LOCAL_M {
                 earlier.push(k);
-            } else if newest_m - way_m < LOCAL_M && tied_m - way_m > TIE_AFTER_M {
-                newer.push(k);
+            } else if (newer_m - way_m).abs() < LOCAL_M && tied_m - way_m > TIE_AFTER_M {
+                later.push(k);
                 tied_m = way_m;
             }
         }
-        let ties = ties(&self.keyframes, &earlier, &newer, &settings.align);
+        let ties = ties(&self.keyframes, &earlier, &later, &settings.align);
         if !ties.is_empty() {
             self.edges.extend(ties.into_iter().map(|tie| Edge {
                 information: tie.information.with_noise(TIE_SIGMA_M, TIE_SIGMA_RAD),
@@ -357,11 +358,12 @@ impl Atlas {
         by_a.distance(self.pose(b.from) * b.motion)
     }
 
-    fn known_place(&self, settings: &Settings) -> Option<Recognised> {
-        let newest = self.keyframes.len() - 1;
-        let ways = ways_m(self.keyframes.len(), &self.edges, newest, f64::INFINITY);
+    /// An earlier visit to the place of a keyframe.
+    fn known_place(&self, newer: usize, settings: &Settings) -> Option<Recognised> {
+        let ways = ways_m(self.keyframes.len(), &self.edges, newer, f64::INFINITY);
         let found = recognise(
             &self.keyframes,
+            newer,
             &ways,
             2.0 * LOCAL_M,
             &settings.align,
@@ -388,7 +390,7 @@ impl Atlas {
 
     /// Makes the map around anew.
     fn renew_local(&mut self, settings: &Settings) {
-        self.around = self.keyframes_around();
+        self.around = self.keyframes_around(self.newest().0);
         self.local.renew(&self.keyframes, &self.around, settings);
         self.unrenewed_m = 0.0;
         self.stale_from = None;
@@ -409,11 +411,10 @@ impl Atlas {
         self.unrenewed_m = 0.0;
     }
 
-    /// The keyframes that make up the map around, ascending.
-    fn keyframes_around(&self) -> Vec<usize> {
-        let newest = self.keyframes.len() - 1;
+    /// The keyframes that make up the map around one, ascending.
+    fn keyframes_around(&self, middle: usize) -> Vec<usize> {
         within(
-            &ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M),
+            &ways_m(self.keyframes.len(), &self.edges, middle, LOCAL_M),
             LOCAL_M,
         )
     }
