@@ -245,26 +245,22 @@ impl Atlas {
         }
     }
 
-    /// Looks for a known place, and moves the keyframes if one is found. Returns the motion of the map frame that the newest
-    /// keyframe has made.
+    /// Looks for a known place, moves the keyframes if one is found, and makes the map around anew when it is due.
+    /// Returns the motion of the map frame that the newest keyframe has made.
     pub fn close_loops(&mut self, step: &mut Step, settings: &Settings) -> Pose {
         let (newest, before) = self.newest();
+        let mut is_closed = false;
         if self.unlooked_m > LOOK_AFTER_M {
             self.unlooked_m = 0.0;
-            if let Some(found) = self.known_place(newest, settings)
-                && self.close(found, settings)
-            {
-                step.recognised = Some(self.keyframes[found.edge.from].number);
-                step.revoked = self.revoke();
-                self.has_moved = true;
+            if let Some(found) = self.known_place(newest, settings) {
+                is_closed = self.close(found, settings);
+                if is_closed {
+                    step.recognised = Some(self.keyframes[found.edge.from].number);
+                    step.revoked = self.revoke();
+                }
             }
         }
-        self.pose(newest) * before.inverse()
-    }
-
-    /// Makes the map around anew, or brings it up to where the scanner is, when it is due.
-    pub fn renew(&mut self, settings: &Settings) {
-        if self.has_moved {
+        if is_closed || self.has_moved {
             self.renew_local(settings);
         }
         if let Some(first) = self.stale_from.take() {
@@ -273,6 +269,7 @@ impl Atlas {
         if self.unrenewed_m > RENEW_AFTER_M {
             self.follow_local(settings);
         }
+        self.pose(newest) * before.inverse()
     }
 
     /// Takes a closure into the graph, at once if it moves things little, else when others agree with it.

@@ -177,12 +177,11 @@ impl Mapper {
         if track.wants(pose, step) {
             track.merge(pose, step, seen, &self.settings);
             enter(Stage::Loops);
-            // The others look when they lead: most searches were for accounts that were given up.
+            track.close_loops(step, &self.settings);
+            // The others look when they lead: two in three of these searches were for accounts that were given up.
             if way.leads {
-                track.close_loops(step, &self.settings);
                 track.join_left(step, &self.settings);
             }
-            track.renew(&self.settings);
         }
         step.outcome = track.hold();
     }

@@ -186,11 +186,6 @@ impl Track {
         self.follow(moved);
     }
 
-    /// Makes the map around anew when that is due.
-    pub fn renew(&mut self, settings: &Settings) {
-        self.atlas.renew(settings);
-    }
-
     /// Looks for the present map in those that were left.
     pub fn join_left(&mut self, step: &mut Step, settings: &Settings) {
         for k in (0..self.left.len()).rev() {

@@ -134,8 +134,12 @@ impl<'a> Stage<'a> {
     /// A few of the returns are aligned and judged: where to go on from with all of them. `None` when the guess leads to what was
     /// found before, or to what is much worse. (Of the guesses for scans of keyframe logs a quarter are of the one kind,
     /// half of the other; of those worth while, three in a hundred are lost so.)
+    ///
+    /// Where scans follow each other closely, all are aligned: along a corridor poses a few centimetres apart are to be weighed
+    /// against each other, or it comes out too long.
     fn glance(&self, guess: &Guess) -> Option<Guess> {
-        let Some(best) = self.found.iter().map(|p| p.merit).max_by(f64::total_cmp) else {
+        let best = self.found.iter().map(|p| p.merit).max_by(f64::total_cmp);
+        let Some(best) = best.filter(|_| !self.motion.is_smooth()) else {
             return Some(*guess);
         };
         let few = self.few.get_or_init(|| every_few(self.points));
