@@ -14,7 +14,8 @@ pub struct SidePoint {
     /// (the wall is not quite straight, the map's side not quite in place), so a hundred of them do not tell a
     /// hundred times as much as one.
     pub worth: f64,
-    /// Whether its side is so short that the direction is not known: it may lie on any side that faces the same way.
+    /// Whether its side is so short that the direction is not known, in a scan that shows little else: it may lie on any side that
+    /// faces the same way.
     pub is_on_short_side: bool,
     /// Which polyline of the scan it belongs to.
     pub polyline: u32,

@@ -22,4 +22,4 @@ mod side_points;
 pub use information::Information;
 pub(crate) use least_squares::align_to_grid;
 pub use least_squares::{AlignSettings, Alignment, Guess, Prior, SidePoint, align};
-pub(crate) use side_points::side_points;
+pub(crate) use side_points::{FULL_WORTH, side_points, worth};

@@ -5,17 +5,13 @@ use std::cell::OnceCell;
 use super::judge::judge;
 use super::search::{Field, Window, search};
 use super::{Motion, PlaceSettings, Placement, thinned};
-use crate::align::{AlignSettings, Alignment, Guess, SidePoint, align_to_grid};
+use crate::align::{AlignSettings, Alignment, FULL_WORTH, Guess, SidePoint, align_to_grid, worth};
 use crate::geometry::{Pose, SideGrid, wrap_rad};
 use crate::matching::{PoseGaussian, unmoved};
 
 /// A guess nearer than this to a pose that was found leads there, metres and radians.
 const SAME_GUESS_M: f64 = 0.05;
 const SAME_GUESS_RAD: f64 = 0.02;
-/// What the returns of a scan are worth, in independent ones, when it is to speak for itself: two walls. The leanest scan
-/// of nine logs of SICK scanners has 30. A scanner that sees 4 m, in a hall, may see two posts, worth 5: these fit nearly
-/// anywhere, and a place found by them against what the motion makes likely was off by a metre in simulated halls.
-const FULL_WORTH: f64 = 30.0;
 
 /// Returns that a glance is taken at.
 const FEW: usize = 60;
@@ -41,7 +37,8 @@ pub(super) struct Stage<'a> {
     peak: OnceCell<f64>,
     align: &'a AlignSettings,
     settings: &'a PlaceSettings,
-    /// How much the scan has to say, 0..=1.
+    /// How much the scan has to say, 0..=1. A scanner that sees 4 m, in a hall, may see two posts, worth 5: they fit nearly anywhere, and
+    /// a place found by them against what the motion makes likely was off by a metre in simulated halls.
     weight: f64,
     /// What was found so far.
     found: Vec<Placement>,
@@ -55,13 +52,12 @@ impl<'a> Stage<'a> {
         align: &'a AlignSettings,
         settings: &'a PlaceSettings,
     ) -> Self {
-        let worth: f64 = points.iter().map(|p| p.worth).sum();
         Self {
             points,
             few: OnceCell::new(),
             map,
             motion,
-            weight: (worth / FULL_WORTH).clamp(0.01, 1.0),
+            weight: (worth(points) / FULL_WORTH).clamp(0.01, 1.0),
             peak: OnceCell::new(),
             align,
             settings,
