@@ -55,34 +55,34 @@ impl Default for RecogniseSettings {
 const STRETCH_STEP_M: f64 = 0.5;
 const STRETCH_STEPS: f64 = 16.0;
 
-/// An edge from an old keyframe to keyframe `newer`, if a place is recognised. `ways_m` are the ways along the graph from
-/// `newer` ([`crate::loops::ways::ways_m`]). What came after it, if anything did, is compared as well.
+/// An edge from an old keyframe to the newest, if a place is recognised. `ways_m` are the ways along the graph from
+/// the newest keyframe ([`crate::loops::ways::ways_m`]).
 pub(crate) fn recognise(
     keyframes: &[Keyframe],
-    newer: usize,
     ways_m: &[Option<f64>],
     local_m: f64,
     align: &AlignSettings,
     settings: &RecogniseSettings,
 ) -> Option<Recognised> {
+    let newest = keyframes.len().checked_sub(1)?;
     let travelled = |k: usize| ways_m[k].unwrap_or(f64::INFINITY);
     let drift = |k: usize| Drift::after(travelled(k), settings);
-    let seen_here = keyframes.get(newer)?.seen_around();
-    let (old, _) = (0..newer)
+    let seen_here = keyframes[newest].seen_around();
+    let (old, _) = (0..newest)
         .filter(|&k| travelled(k) > local_m)
         .map(|k| (k, keyframes[k].seen_around().distance(seen_here)))
         .filter(|&(k, off_m)| off_m < drift(k).window_m + SAME_VIEW_M)
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
     let place = Place::around(keyframes, old, settings.stretch_m);
-    let recent = stretch(keyframes, newer, settings.stretch_m, |_| true);
-    let here = keyframes[newer].map_from_scan;
+    let recent = stretch(keyframes, newest, settings.stretch_m, |k| k <= newest);
+    let here = keyframes[newest].map_from_scan;
     let views: Vec<View> = recent.iter().map(|&k| View::new(&keyframes[k], here)).collect();
     let matched = place.locate(&views, here, drift(old), align, settings)?;
     let old_pose = keyframes[old].map_from_scan;
     Some(Recognised {
         edge: Edge {
             from: old,
-            to: newer,
+            to: newest,
             motion: old_pose.inverse() * matched.map_from_scan,
             information: matched.information.turned(-old_pose.theta_rad),
             is_loop: true,

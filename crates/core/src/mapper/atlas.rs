@@ -5,7 +5,6 @@
 //! between which little drift has gathered ([`local`]). The map of all keyframes is made when it is asked for.
 
 mod local;
-mod look_back;
 mod saved;
 mod settle;
 mod straighten;
@@ -252,7 +251,7 @@ impl Atlas {
         let mut is_closed = false;
         if self.unlooked_m > LOOK_AFTER_M {
             self.unlooked_m = 0.0;
-            if let Some(found) = self.known_place(newest, settings) {
+            if let Some(found) = self.known_place(settings) {
                 is_closed = self.close(found, settings);
                 if is_closed {
                     step.recognised = Some(self.keyframes[found.edge.from].number);
@@ -293,7 +292,7 @@ impl Atlas {
         }
         self.edges.append(&mut self.waiting);
         self.optimise();
-        self.tie_visits(edge.to, settings);
+        self.tie_visits(settings);
         true
     }
 
@@ -320,21 +319,21 @@ impl Atlas {
         revoked
     }
 
-    /// Ties the keyframes of the metres about `newer` to the earlier visit of the place that was recognised.
-    fn tie_visits(&mut self, newer: usize, settings: &Settings) {
-        let newer_m = self.keyframes[newer].way_m;
-        let (mut earlier, mut later) = (Vec::new(), Vec::new());
+    /// Ties the keyframes of the last metres to the earlier visit of the place that was recognised.
+    fn tie_visits(&mut self, settings: &Settings) {
+        let newest_m = self.keyframes.last().map_or(0.0, |k| k.way_m);
+        let (mut earlier, mut newer) = (Vec::new(), Vec::new());
         let mut tied_m = f64::INFINITY;
-        for k in self.keyframes_around(newer).into_iter().rev() {
+        for k in self.keyframes_around().into_iter().rev() {
             let way_m = self.keyframes[k].way_m;
-            if newer_m - way_m > 2.0 * LOCAL_M {
+            if newest_m - way_m > 2.0 * LOCAL_M {
                 earlier.push(k);
-            } else if (newer_m - way_m).abs() < LOCAL_M && tied_m - way_m > TIE_AFTER_M {
-                later.push(k);
+            } else if newest_m - way_m < LOCAL_M && tied_m - way_m > TIE_AFTER_M {
+                newer.push(k);
                 tied_m = way_m;
             }
         }
-        let ties = ties(&self.keyframes, &earlier, &later, &settings.align);
+        let ties = ties(&self.keyframes, &earlier, &newer, &settings.align);
         if !ties.is_empty() {
             self.edges.extend(ties.into_iter().map(|tie| Edge {
                 information: tie.information.with_noise(TIE_SIGMA_M, TIE_SIGMA_RAD),
@@ -355,12 +354,11 @@ impl Atlas {
         by_a.distance(self.pose(b.from) * b.motion)
     }
 
-    /// An earlier visit to the place of a keyframe.
-    fn known_place(&self, newer: usize, settings: &Settings) -> Option<Recognised> {
-        let ways = ways_m(self.keyframes.len(), &self.edges, newer, f64::INFINITY);
+    fn known_place(&self, settings: &Settings) -> Option<Recognised> {
+        let newest = self.keyframes.len() - 1;
+        let ways = ways_m(self.keyframes.len(), &self.edges, newest, f64::INFINITY);
         let found = recognise(
             &self.keyframes,
-            newer,
             &ways,
             2.0 * LOCAL_M,
             &settings.align,
@@ -387,7 +385,7 @@ impl Atlas {
 
     /// Makes the map around anew.
     fn renew_local(&mut self, settings: &Settings) {
-        self.around = self.keyframes_around(self.newest().0);
+        self.around = self.keyframes_around();
         self.local.renew(&self.keyframes, &self.around, settings);
         self.unrenewed_m = 0.0;
         self.stale_from = None;
@@ -408,10 +406,11 @@ impl Atlas {
         self.unrenewed_m = 0.0;
     }
 
-    /// The keyframes that make up the map around one, ascending.
-    fn keyframes_around(&self, middle: usize) -> Vec<usize> {
+    /// The keyframes that make up the map around, ascending.
+    fn keyframes_around(&self) -> Vec<usize> {
+        let newest = self.keyframes.len() - 1;
         within(
-            &ways_m(self.keyframes.len(), &self.edges, middle, LOCAL_M),
+            &ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M),
             LOCAL_M,
         )
     }

@@ -135,7 +135,7 @@ impl<'a> Stage<'a> {
     /// against each other, or it comes out too long.
     fn glance(&self, guess: &Guess) -> Option<Guess> {
         let best = self.found.iter().map(|p| p.merit).max_by(f64::total_cmp);
-        let Some(best) = best.filter(|_| !self.motion.is_smooth()) else {
+        let Some(best) = best.filter(|_| self.motion.is_of_keyframes()) else {
             return Some(*guess);
         };
         let few = self.few.get_or_init(|| every_few(self.points));

@@ -25,7 +25,6 @@ impl Atlas {
     /// that the newest keyframe has made, and the scans that were placed again.
     pub fn settle(&mut self, settings: &Settings) -> (Pose, Vec<usize>) {
         let (newest, before) = self.newest();
-        self.close_missed(settings);
         self.adjust(settings);
         let placed_again = self.look_again(settings);
         if !placed_again.is_empty() {
