@@ -22,11 +22,11 @@ const STEADY_M: f64 = 0.5;
 /// The direction of a side shorter than this is not known: a chair leg of 5 cm that three to eight beams hit, with 1 cm of noise, looks
 /// turned by 20° and more from scan to scan.
 const SHORT_M: f64 = 0.15;
-/// What the returns of a scan are worth, in independent ones, when it is to speak for itself: two walls. The leanest scan of nine
+/// What the returns of a scan are worth, in independent ones, when it is to speak for itself: two walls, but for rounding. The leanest scan of nine
 /// logs of SICK scanners has 30. A scan that is worth less shows small things, and they must do: asked to be within 32° of the
 /// map's sides, half of the returns of a room of chair legs found none (URG, 47 m: 10° off at the end). In other scans small things drag along
 /// corridors (raw aces, loops in four of six runs 0.09 to 0.36 m instead of 0.05).
-pub(crate) const FULL_WORTH: f64 = 30.0;
+pub(crate) const FULL_WORTH: f64 = 29.0;
 
 /// All returns that lie on a polyline, polyline by polyline; `noise_m` is the range noise.
 pub(crate) fn side_points(scan: &Scan, polylines: &[ScanPolyline], noise_m: f64) -> Vec<SidePoint> {

@@ -10,9 +10,6 @@
 //!    the correspondences induce is aligned.
 //! 4. If none of these stands out, all poses in a window around are searched (`search`).
 //!
-//! All guesses but the first are begun with a few of the returns: most lead to a pose that was found before, or to a much worse
-//! one, and go no further (`stage`).
-//!
 //! Every pose is judged by what the whole scan says of the map, fit and two-way visibility (`judge`), and by what
 //! the motion so far makes likely. The best is taken if it is good enough; otherwise the scan has no place.
 

@@ -178,20 +178,15 @@ impl Motion {
 
     /// Whether scans follow each other so closely that the next is sure to lie near the predicted pose.
     pub fn is_smooth(&self) -> bool {
-        self.lost_scans == 0
-            && self.steady >= STEADY_STEPS
-            && self.usual.shift_m < 0.15
-            && self.usual.turn_rad < 0.15
-            && !self.is_of_keyframes()
-    }
-
-    /// Whether the log has shown that its scans are far apart.
-    pub fn is_of_keyframes(&self) -> bool {
         let long = self
             .steps
             .iter()
             .filter(|s| s.translation().norm() > SMOOTH_STEP_M);
-        10 * long.count() > self.steps.len()
+        self.lost_scans == 0
+            && self.steady >= STEADY_STEPS
+            && self.usual.shift_m < 0.15
+            && self.usual.turn_rad < 0.15
+            && 10 * long.count() <= self.steps.len()
     }
 
     /// Where it is when it has stopped.

@@ -6,31 +6,15 @@ use super::judge::judge;
 use super::search::{Field, Window, search};
 use super::{Motion, PlaceSettings, Placement, thinned};
 use crate::align::{AlignSettings, Alignment, FULL_WORTH, Guess, SidePoint, align_to_grid, worth};
-use crate::geometry::{Pose, SideGrid, wrap_rad};
+use crate::geometry::{SideGrid, wrap_rad};
 use crate::matching::{PoseGaussian, unmoved};
 
 /// A guess nearer than this to a pose that was found leads there, metres and radians.
 const SAME_GUESS_M: f64 = 0.05;
 const SAME_GUESS_RAD: f64 = 0.02;
 
-/// Returns that a glance is taken at.
-const FEW: usize = 60;
-/// Rounds of its alignment.
-const GLANCE_ROUNDS: u32 = 12;
-/// How far off the pose of a glance may be: standard deviations, metres and radians. (With half as much, one keyframe log in
-/// seven had 2.5 % of its scans placed wrongly, which has none now.)
-const GLANCED_M: f64 = 0.05;
-const GLANCED_RAD: f64 = 0.015;
-/// A guess whose merit is so far behind the best one's is not looked at any further. What is carried on, or called into doubt by
-/// another, is less than 0.25 behind; the score of sixty returns has a standard deviation of 0.06.
-const HOPELESS_BEHIND: f64 = 0.5;
-/// A guess that leads near what was found is looked at if its merit is larger by so much: it leads nearer still.
-const NO_BETTER: f64 = 0.05;
-
 pub(super) struct Stage<'a> {
     points: &'a [SidePoint],
-    /// Some of them, for a glance; chosen when they are needed.
-    few: OnceCell<Vec<SidePoint>>,
     map: &'a SideGrid,
     motion: &'a Motion,
     /// [`Motion::peak`], computed once.
@@ -54,7 +38,6 @@ impl<'a> Stage<'a> {
     ) -> Self {
         Self {
             points,
-            few: OnceCell::new(),
             map,
             motion,
             weight: (worth(points) / FULL_WORTH).clamp(0.01, 1.0),
@@ -78,17 +61,12 @@ impl<'a> Stage<'a> {
     /// Aligns from a guess and judges the result. The guess is its own prior: along a corridor the scan stays where
     /// it was guessed to be, instead of sliding to where the noise of the walls would have it.
     pub fn aligned(&self, guess: &Guess) -> Option<Placement> {
-        self.aligned_from(guess, guess)
-    }
-
-    /// The same, begun elsewhere.
-    fn aligned_from(&self, start: &Guess, guess: &Guess) -> Option<Placement> {
         let prior = guess.prior();
         let alignment = align_to_grid(
             self.points,
             self.map,
             |_, _| true,
-            start,
+            guess,
             Some(&prior),
             self.align,
         )?;
@@ -106,56 +84,18 @@ impl<'a> Stage<'a> {
         })
     }
 
-    /// Aligns from a guess and adds the result, unless the guess leads where another has led already, or far behind the best.
+    /// Aligns from a guess and adds the result, unless the guess leads where another has led already.
     pub fn try_guess(&mut self, guess: &Guess) {
-        if self.known(guess.map_from_scan).next().is_some() {
-            return;
-        }
-        if let Some(start) = self.glance(guess)
-            && let Some(placement) = self.aligned_from(&start, guess)
+        let is_known = |p: &Placement| {
+            let pose = p.alignment.map_from_scan;
+            pose.distance(guess.map_from_scan) < SAME_GUESS_M
+                && wrap_rad(pose.theta_rad - guess.map_from_scan.theta_rad).abs() < SAME_GUESS_RAD
+        };
+        if !self.found.iter().any(is_known)
+            && let Some(placement) = self.aligned(guess)
         {
             self.take(placement);
         }
-    }
-
-    /// What was found near a pose.
-    fn known(&self, pose: Pose) -> impl Iterator<Item = &Placement> {
-        self.found.iter().filter(move |p| {
-            let other = p.alignment.map_from_scan;
-            other.distance(pose) < SAME_GUESS_M
-                && wrap_rad(other.theta_rad - pose.theta_rad).abs() < SAME_GUESS_RAD
-        })
-    }
-
-    /// A few of the returns are aligned and judged: where to go on from with all of them. `None` when the guess leads to what was
-    /// found before, or to what is much worse. (Of the guesses for scans of keyframe logs a quarter are of the one kind,
-    /// half of the other; of those worth while, three in a hundred are lost so.)
-    ///
-    /// Where scans follow each other closely, all are aligned: along a corridor poses a few centimetres apart are to be weighed
-    /// against each other, or it comes out too long.
-    fn glance(&self, guess: &Guess) -> Option<Guess> {
-        let best = self.found.iter().map(|p| p.merit).max_by(f64::total_cmp);
-        let Some(best) = best.filter(|_| self.motion.is_of_keyframes()) else {
-            return Some(*guess);
-        };
-        let few = self.few.get_or_init(|| every_few(self.points));
-        let glance = AlignSettings {
-            max_rounds: GLANCE_ROUNDS,
-            ..*self.align
-        };
-        let prior = guess.prior();
-        let Some(alignment) = align_to_grid(few, self.map, |_, _| true, guess, Some(&prior), &glance) else {
-            return Some(*guess);
-        };
-        let pose = alignment.map_from_scan;
-        let score = judge(few, self.map, pose, self.settings.gate_m).score();
-        let merit = score - self.unlikely(&alignment);
-        let is_idle = merit < best - HOPELESS_BEHIND || self.known(pose).any(|p| merit < p.merit + NO_BETTER);
-        (!is_idle).then_some(Guess {
-            map_from_scan: pose,
-            sigma_m: GLANCED_M,
-            sigma_rad: GLANCED_RAD,
-        })
     }
 
     /// Adds a pose; what the motion so far makes unlikely counts against it.
@@ -279,16 +219,4 @@ impl<'a> Stage<'a> {
             });
         }
     }
-}
-
-/// At most sixty of the returns; each stands for those left out.
-fn every_few(points: &[SidePoint]) -> Vec<SidePoint> {
-    let step = points.len().div_ceil(FEW).max(1);
-    let worth = step as f64;
-    let few = points.iter().step_by(step);
-    few.map(|p| SidePoint {
-        worth: p.worth * worth,
-        ..*p
-    })
-    .collect()
 }
