@@ -347,7 +347,6 @@ fn information_of(cells: [f64; 6]) -> Result<Information, String> {
 
 #[cfg(test)]
 mod tests {
-    #![expect(clippy::unwrap_used, reason = "a test may fail by panic")]
 
     use super::*;
 
