@@ -275,6 +275,12 @@ def small(bench):
             tell(f"{name} left out: {done.stderr.strip().splitlines()[-1]}")
         else:
             logs.append((name, log))
+    for name, file in (("low-cost scanner, all round", "lowcost-360-a.csv.gz"),
+                       ("Hokuyo URG on a robot, half of the beams without return", "urg-encoders-exp1.dat.gz"),
+                       ("RPLIDAR A1, short line", "rplidar-a1-24jul.log.gz")):
+        log = bench.work / f"{file.split('.')[0]}.log"
+        run([bench.program, "convert", bench.data / "small-scanners" / file, log], quiet=True)
+        logs.append((name, log))
     return {"small": table(MAP_HEAD, [map_row(bench, name, log, *bench.build(log, f"small-{log.name.split('.')[0]}")) for name, log in logs])}
 
 
