@@ -85,6 +85,20 @@ pub(crate) mod drawn {
 
     pub(crate) type Wall<'a> = &'a [(f64, f64)];
 
+    /// A hall with pillars at its walls at uneven distances.
+    pub(crate) const HALL: &[Wall] = &[
+        &[
+            (-10.0, -2.0),
+            (10.0, -2.0),
+            (10.0, 2.0),
+            (-10.0, 2.0),
+            (-10.0, -2.0),
+        ],
+        &[(1.0, -2.0), (1.0, -1.4), (0.5, -1.4), (0.5, -2.0)],
+        &[(-3.2, -2.0), (-3.2, -1.4), (-4.4, -1.4), (-4.4, -2.0)],
+        &[(4.0, 2.0), (4.0, 1.2), (4.3, 1.2), (4.3, 2.0)],
+    ];
+
     /// What a scanner with 0.5° all round sees of the walls.
     pub(crate) fn keyframe(walls: &[Wall], map_from_scan: Pose) -> Keyframe {
         let mut grid = SideGrid::default();

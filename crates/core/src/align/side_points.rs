@@ -85,3 +85,31 @@ fn nearest_side(sides: &[(Segment, Point)], point: Point) -> Option<(usize, Poin
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
     (distance_m < OUTLIER_M).then(|| (k, sides[k].1))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Pose;
+    use crate::keyframe::drawn::{HALL, Wall, keyframe};
+
+    /// Two posts, 9 cm wide.
+    const POSTS: &[Wall] = &[
+        &[(2.0, 0.0), (2.0, 0.09), (2.09, 0.09), (2.09, 0.0), (2.0, 0.0)],
+        &[
+            (-2.0, 1.0),
+            (-2.0, 1.09),
+            (-1.91, 1.09),
+            (-1.91, 1.0),
+            (-2.0, 1.0),
+        ],
+    ];
+
+    #[test]
+    fn small_things_have_no_direction_where_a_scan_shows_nothing_else() {
+        let posts = keyframe(POSTS, Pose::IDENTITY);
+        assert!(worth(&posts.points) < FULL_WORTH && posts.points.iter().all(|p| p.is_on_short_side));
+        let hall: Vec<Wall> = HALL.iter().chain(POSTS).copied().collect();
+        let hall = keyframe(&hall, Pose::IDENTITY);
+        assert!(worth(&hall.points) >= FULL_WORTH && hall.points.iter().all(|p| !p.is_on_short_side));
+    }
+}

@@ -146,21 +146,7 @@ fn oddity(keyframes: &[Keyframe], k: usize, pose: Pose) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::keyframe::drawn::{Wall, keyframe};
-
-    /// A hall with pillars at its walls at uneven distances.
-    const HALL: &[Wall] = &[
-        &[
-            (-10.0, -2.0),
-            (10.0, -2.0),
-            (10.0, 2.0),
-            (-10.0, 2.0),
-            (-10.0, -2.0),
-        ],
-        &[(1.0, -2.0), (1.0, -1.4), (0.5, -1.4), (0.5, -2.0)],
-        &[(-3.2, -2.0), (-3.2, -1.4), (-4.4, -1.4), (-4.4, -2.0)],
-        &[(4.0, 2.0), (4.0, 1.2), (4.3, 1.2), (4.3, 2.0)],
-    ];
+    use crate::keyframe::drawn::{HALL, keyframe};
 
     /// A walk through the hall on which one scan was placed 1.2 m too far on.
     fn walk() -> Vec<Keyframe> {

@@ -7,6 +7,7 @@
 mod local;
 mod saved;
 mod settle;
+mod shown;
 mod straighten;
 
 use super::{Revoked, Settings, Step};

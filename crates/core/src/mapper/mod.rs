@@ -152,7 +152,7 @@ impl Mapper {
         if let [only] = self.tracks.as_mut_slice() {
             only.merit = 0.0;
             self.scans_undecided = 0;
-            if steps[0].merged.is_some() && self.sweep.observe(only.keyframes()) {
+            if steps[0].merged.is_some() && self.sweep.observe(only.keyframes(), &self.settings.align) {
                 only.straighten(self.sweep.applied(), &self.settings);
             }
         } else {

@@ -5,7 +5,7 @@
 //! − q(s)). These are solved for all four by Gauss–Newton steps; what is left of s when the pose is eliminated is the
 //! evidence.
 
-use crate::align::{Information, SidePoint};
+use crate::align::{AlignSettings, Information};
 use crate::geometry::{Near, Point, Pose, SideGrid};
 use crate::keyframe::Keyframe;
 
@@ -14,8 +14,6 @@ const LEAST_M: f64 = 0.01;
 const LEAST_RAD: f64 = 0.005;
 /// Distance within which a return belongs to a side, metres.
 const GATE_M: f64 = 0.15;
-/// Scale of the Cauchy weight in standard deviations, as for alignments.
-const ROBUST_SIGMAS: f64 = 2.385;
 /// Steps of Gauss–Newton.
 const STEPS: usize = 3;
 /// Share of the returns that must find a side: otherwise the scans show different things.
@@ -29,7 +27,12 @@ pub(super) struct Evidence {
 }
 
 /// The share by which `newer` fits `older` best, near `share`.
-pub(super) fn evidence(older: &Keyframe, newer: &Keyframe, share: f64) -> Option<Evidence> {
+pub(super) fn evidence(
+    older: &Keyframe,
+    newer: &Keyframe,
+    share: f64,
+    align: &AlignSettings,
+) -> Option<Evidence> {
     if is_slow(older.step) && is_slow(newer.step) {
         return None;
     }
@@ -38,7 +41,7 @@ pub(super) fn evidence(older: &Keyframe, newer: &Keyframe, share: f64) -> Option
     let (mut pose, mut share) = (start, share);
     let mut information = 0.0;
     for _ in 0..STEPS {
-        let equations = Equations::new(older, newer, &sides, pose, share)?;
+        let equations = Equations::new((older, newer), &sides, pose, share, align)?;
         let (moves, change, known) = equations.solve()?;
         pose = Pose::new(pose.x + moves[0], pose.y + moves[1], pose.theta_rad + moves[2]);
         share = (share + change).clamp(-2.0, 2.0);
@@ -88,7 +91,13 @@ struct Equations {
 }
 
 impl Equations {
-    fn new(older: &Keyframe, newer: &Keyframe, sides: &SideGrid, pose: Pose, share: f64) -> Option<Self> {
+    fn new(
+        (older, newer): (&Keyframe, &Keyframe),
+        sides: &SideGrid,
+        pose: Pose,
+        share: f64,
+        align: &AlignSettings,
+    ) -> Option<Self> {
         let mut equations = Self::default();
         let (mut asked, mut matched) = (0_usize, 0_usize);
         let mut reader = sides.reader();
@@ -109,15 +118,17 @@ impl Equations {
             let normal = sides.side(foot.side).normal();
             let wall = foot.point + correction(older, foot.point, share);
             let by_share = pose.rotate(drift(newer, p.point)) - drift(older, foot.point);
-            equations.add(p, normal, arm, normal.dot(place - wall), normal.dot(by_share));
+            let error_m = normal.dot(place - wall);
+            let square = (error_m / (align.robust_sigmas * p.sigma_m)).powi(2);
+            let weight = p.worth / (p.sigma_m * p.sigma_m * (1.0 + square));
+            let j = [normal.x, normal.y, normal.dot(arm.left())];
+            equations.add(weight, j, error_m, normal.dot(by_share));
         }
         (matched as f64 > LEAST_MATCHED * asked as f64).then_some(equations)
     }
 
-    fn add(&mut self, p: &SidePoint, normal: Point, arm: Point, error_m: f64, by_share_m: f64) {
-        let square = (error_m / (ROBUST_SIGMAS * p.sigma_m)).powi(2);
-        let weight = p.worth / (p.sigma_m * p.sigma_m * (1.0 + square));
-        let j = [normal.x, normal.y, normal.dot(arm.left())];
+    /// A residual, its derivatives by the pose and by the share.
+    fn add(&mut self, weight: f64, j: [f64; 3], error_m: f64, by_share_m: f64) {
         self.pose.add_residual(j, weight);
         for k in 0..3 {
             self.gradient[k] += weight * j[k] * error_m;
@@ -133,7 +144,7 @@ impl Equations {
         let (by_share, by_error) = (pose.solve(self.coupling)?, pose.solve(self.gradient)?);
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let information = self.share - dot(self.coupling, by_share);
-        // Held by one in a hundred of what a single scan of a slow scanner tells, so that it stays where nothing is told.
+        // Where nothing is told (information near 0) the share stays: this 1 is a standard deviation of 1.
         let change = -(self.share_gradient - dot(self.coupling, by_error)) / (information + 1.0);
         let moves = [0, 1, 2].map(|k| -by_error[k] - by_share[k] * change);
         Some((moves, change, information.max(0.0)))

@@ -3,14 +3,12 @@
 use std::sync::Arc;
 
 use super::Atlas;
-use crate::align::side_points;
-use crate::extract::{ExtractSettings, extract};
+use super::shown::Shown;
 use crate::geometry::Pose;
 use crate::join::{SavedEdge, SavedKeyframe, SavedMap};
-use crate::keyframe::{Keyframe, middle_of};
+use crate::keyframe::Keyframe;
 use crate::loops::graph::Edge;
 use crate::mapper::Settings;
-use crate::merge::eraser::disordered_runs;
 
 impl Atlas {
     /// What must be kept for the map to be made again.
@@ -76,24 +74,17 @@ fn saved_keyframe(k: &Keyframe) -> SavedKeyframe {
 }
 
 fn restored_keyframe(kept: &SavedKeyframe, way_m: f64, settings: &Settings) -> Keyframe {
-    let extraction = extract(
-        &kept.scan,
-        &ExtractSettings {
-            noise_m: Some(kept.noise_m),
-            ..settings.extract
-        },
-    );
-    let points = side_points(&kept.scan, &extraction.polylines, extraction.noise_m);
+    let shown = Shown::by(&kept.scan, kept.noise_m, settings);
     Keyframe {
         number: kept.number,
-        is_moving: (0..extraction.polylines.len())
+        is_moving: (0..shown.extraction.polylines.len())
             .map(|p| kept.moving.contains(&p))
             .collect(),
-        middle: middle_of(&points),
-        points: points.into(),
-        disordered_runs: disordered_runs(&kept.scan, extraction.noise_m, &settings.eraser).into(),
+        extraction: shown.extraction,
+        points: shown.points,
+        middle: shown.middle,
+        disordered_runs: shown.disordered_runs,
         scan: Arc::new(kept.scan.clone()),
-        extraction: Arc::new(extraction),
         way_m,
         is_doubtful: false,
         step: Pose::IDENTITY,

@@ -113,21 +113,7 @@ impl Atlas {
 mod tests {
     use super::*;
     use crate::keyframe::Keyframe;
-    use crate::keyframe::drawn::{Wall, keyframe};
-
-    /// A hall with pillars at its walls at uneven distances.
-    const HALL: &[Wall] = &[
-        &[
-            (-10.0, -2.0),
-            (10.0, -2.0),
-            (10.0, 2.0),
-            (-10.0, 2.0),
-            (-10.0, -2.0),
-        ],
-        &[(1.0, -2.0), (1.0, -1.4), (0.5, -1.4), (0.5, -2.0)],
-        &[(-3.2, -2.0), (-3.2, -1.4), (-4.4, -1.4), (-4.4, -2.0)],
-        &[(4.0, 2.0), (4.0, 1.2), (4.3, 1.2), (4.3, 2.0)],
-    ];
+    use crate::keyframe::drawn::{HALL, keyframe};
 
     #[test]
     fn a_map_that_was_turned_stays_turned() {

@@ -3,16 +3,18 @@
 use std::sync::Arc;
 
 use super::Atlas;
-use crate::align::side_points;
-use crate::extract::{ExtractSettings, Extraction, extract};
-use crate::keyframe::{Keyframe, middle_of};
+use super::shown::Shown;
+use crate::extract::Extraction;
+use crate::keyframe::Keyframe;
 use crate::mapper::Settings;
-use crate::merge::eraser::disordered_runs;
 
 impl Atlas {
     /// Makes all keyframes straight again with `share` of the motion from scan to scan in a turn of the beam; the map around
     /// is made anew.
     pub fn straighten(&mut self, share: f64, settings: &Settings) {
+        if self.keyframes.is_empty() {
+            return;
+        }
         for keyframe in &mut self.keyframes {
             straighten(keyframe, share, settings);
         }
@@ -26,18 +28,12 @@ fn straighten(keyframe: &mut Keyframe, share: f64, settings: &Settings) {
         return;
     }
     let scan = keyframe.scan.straightened(turn_motion);
-    let extraction = extract(
-        &scan,
-        &ExtractSettings {
-            noise_m: Some(keyframe.extraction.noise_m),
-            ..settings.extract
-        },
-    );
-    keyframe.is_moving = still_moving(keyframe, &extraction);
-    keyframe.points = side_points(&scan, &extraction.polylines, extraction.noise_m).into();
-    keyframe.middle = middle_of(&keyframe.points);
-    keyframe.disordered_runs = disordered_runs(&scan, extraction.noise_m, &settings.eraser).into();
-    keyframe.extraction = Arc::new(extraction);
+    let shown = Shown::by(&scan, keyframe.extraction.noise_m, settings);
+    keyframe.is_moving = still_moving(keyframe, &shown.extraction);
+    keyframe.extraction = shown.extraction;
+    keyframe.points = shown.points;
+    keyframe.middle = shown.middle;
+    keyframe.disordered_runs = shown.disordered_runs;
     keyframe.scan = Arc::new(scan);
 }
 
