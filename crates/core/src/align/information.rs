@@ -89,6 +89,26 @@ impl Information {
         Self { rows }
     }
 
+    /// What is left of the information Ω and of a `gradient` where `seeming` S may have been taken for it:
+    /// Ω (Ω + S)⁻¹ Ω and Ω (Ω + S)⁻¹ g. The pose that they ask for is the same; where Ω is large against S they are kept,
+    /// where it is not hardly anything is. `None` when something is not determined.
+    #[must_use]
+    pub fn discounted_by(&self, seeming: &Self, gradient: [f64; 3]) -> Option<(Self, [f64; 3])> {
+        let sum = self.plus(seeming);
+        let mut rows = [[0.0; 3]; 3];
+        for (r, row) in rows.iter_mut().enumerate() {
+            *row = self.times(sum.solve(self.rows[r])?);
+        }
+        for r in 0..3 {
+            for c in 0..r {
+                let mean = 0.5 * (rows[r][c] + rows[c][r]);
+                rows[r][c] = mean;
+                rows[c][r] = mean;
+            }
+        }
+        Some((Self { rows }, self.times(sum.solve(gradient)?)))
+    }
+
     /// jᵀ · self · j.
     #[must_use]
     pub fn quadratic(&self, j: [f64; 3]) -> f64 {
@@ -192,6 +212,23 @@ mod tests {
         let covariance = information.covariance().unwrap();
         let unit = information.times([covariance[0][0], covariance[1][0], covariance[2][0]]);
         assert!((unit[0] - 1.0).abs() < 1e-9 && unit[1].abs() < 1e-9 && unit[2].abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_only_seems_to_be_told_is_taken_out_and_the_rest_is_kept() {
+        let mut information = Information::from_sigmas(0.1, 0.001, 0.001);
+        information.rows[0][1] = 50.0;
+        information.rows[1][0] = 50.0;
+        let mut seeming = Information::default();
+        seeming.rows[0][0] = 900.0;
+        let asked = [0.02, -0.001, 0.003];
+        let (left, gradient) = information
+            .discounted_by(&seeming, information.times(asked))
+            .unwrap();
+        assert!((left.rows[0][0] - 10.0).abs() < 0.1 && left.rows[1][1] > 0.99e6);
+        for (a, b) in asked.iter().zip(left.solve(gradient).unwrap()) {
+            assert!((a - b).abs() < 1e-9, "the pose asked for is the same");
+        }
     }
 
     #[test]

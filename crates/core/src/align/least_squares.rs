@@ -30,6 +30,13 @@ pub struct Prior {
     pub information: Information,
 }
 
+/// The ends of a side lie this far off the wall, metres: so its direction is known the worse the shorter it is.
+const SIDE_END_M: f64 = 0.02;
+/// Errors of direction are the same from scan to scan, other than the noise of returns: they count so many times.
+const DIRECTIONS_LAST: f64 = 3.0;
+/// Share of the guess's doubt from which on directions are judged: before, all of them are off by the heading.
+const DOUBT_OF_DIRECTIONS: f64 = 0.1;
+
 /// How the alignment goes about it.
 #[derive(Clone, Copy, Debug)]
 pub struct AlignSettings {
@@ -138,6 +145,9 @@ pub(crate) fn align_to_grid(
         let gate = |off_m: f64| (settings.last_gate_m + doubt * off_m).min(settings.widest_gate_m);
         let gated = points.iter().zip(off_m.iter().map(|&off_m| gate(off_m)));
         last = Round::pair(gated, target, &allowed, pose, settings);
+        if doubt < DOUBT_OF_DIRECTIONS {
+            last.discount_directions();
+        }
         let step = last.step(pose, prior)?;
         pose = Pose::new(pose.x + step[0], pose.y + step[1], pose.theta_rad + step[2]);
         let (shift_m, turn_rad) = (step[0].hypot(step[1]), step[2].abs());
@@ -162,6 +172,8 @@ pub(crate) fn align_to_grid(
 #[derive(Default)]
 struct Round {
     information: Information,
+    /// What of it may come from sides that are out of line with their walls.
+    by_direction: Information,
     /// Σ w j e / σ²
     gradient: [f64; 3],
     matched: usize,
@@ -173,6 +185,16 @@ impl Round {
     fn unobservable(&self, sigma_m: f64) -> Option<Point> {
         let (direction, information) = self.information.weakest_direction();
         (information < 1.0 / (sigma_m * sigma_m)).then_some(direction)
+    }
+
+    /// Takes out what sides seem to tell by being out of line with their walls: see the module.
+    fn discount_directions(&mut self) {
+        let kept = self
+            .information
+            .discounted_by(&self.by_direction.scaled(DIRECTIONS_LAST), self.gradient);
+        if let Some((information, gradient)) = kept {
+            (self.information, self.gradient) = (information, gradient);
+        }
     }
 
     /// Pairs returns, each with its gate, with the sides nearest to them.
@@ -205,7 +227,8 @@ impl Round {
             let Some(foot) = reader.nearest(place, &near, |owner| allowed(p.polyline, owner)) else {
                 continue;
             };
-            let normal = target.side(foot.side).normal();
+            let side = target.side(foot.side);
+            let normal = side.normal();
             let error_m = normal.dot(place - foot.point);
             // The scale follows the gate, so that poor guesses are not weighted away in the first rounds.
             let scale_m = settings.robust_sigmas * p.sigma_m.max(0.2 * (gate_m - settings.last_gate_m));
@@ -213,6 +236,9 @@ impl Round {
             let j = [normal.x, normal.y, normal.dot(arm.left())];
             let w = weight * p.worth / (p.sigma_m * p.sigma_m);
             round.information.add_residual(j, w);
+            let along = [side.direction.x, side.direction.y, side.direction.dot(arm.left())];
+            let turned = normal.dot(near.direction).powi(2) + (SIDE_END_M / side.length_m).powi(2);
+            round.by_direction.add_residual(along, w * turned);
             for (g, j) in round.gradient.iter_mut().zip(j) {
                 *g += w * j * error_m;
             }
@@ -381,5 +407,58 @@ mod tests {
         )
         .unwrap();
         assert!(found.map_from_scan.distance(Pose::IDENTITY) < 1e-9);
+    }
+
+    /// The wall of a round corridor as a map has it: corners every metre, each up to 1 cm off.
+    fn round_wall(radius_m: f64, is_outer: bool) -> Polyline {
+        let corner = |k: i32| {
+            let k = if is_outer { k } else { -k };
+            let wobble_m = 0.01 * (f64::from(k) * 2.4).sin();
+            Point::from_polar(radius_m + wobble_m, f64::from(k) / radius_m)
+        };
+        Polyline::new((-20..=20).map(corner).collect()).unwrap()
+    }
+
+    #[test]
+    fn along_round_walls_the_motion_goes_on_and_the_walls_do_not_claim_to_know() {
+        let (middle_m, reach_rad) = (10.0, 0.5);
+        let walls = [round_wall(11.0, true), round_wall(9.0, false)];
+        for k in 0..20 {
+            // Somewhere along the corridor, looking along it.
+            let at_rad = -0.7 + 0.07 * f64::from(k);
+            let place = Point::from_polar(middle_m, at_rad);
+            let truth = Pose::new(place.x, place.y, at_rad + std::f64::consts::FRAC_PI_2);
+            let points: Vec<SidePoint> = [(11.0, 1.0), (9.0, -1.0)]
+                .into_iter()
+                .flat_map(|(radius_m, way)| (-60..60).map(move |i| (radius_m, way, f64::from(i) / 60.0)))
+                .map(|(radius_m, way, share)| {
+                    let outward = Point::from_polar(1.0, at_rad + reach_rad * share);
+                    SidePoint {
+                        point: truth.inverse() * (outward * radius_m),
+                        direction: truth.inverse().rotate(outward.left() * way),
+                        sigma_m: 0.015,
+                        worth: 0.5,
+                        polyline: 0,
+                    }
+                })
+                .collect();
+            let guess = Guess {
+                map_from_scan: truth,
+                sigma_m: 0.035,
+                sigma_rad: 0.06,
+            };
+            let settings = AlignSettings::default();
+            let found = align(&points, &walls, None, &guess, Some(&guess.prior()), &settings).unwrap();
+            let way = Point::from_polar(1.0, at_rad).left();
+            let held_m = way.dot(found.map_from_scan.translation() - place).abs();
+            assert!(found.unobservable.is_some());
+            let along = [way.x, way.y, 1.0 / middle_m];
+            let sigma_m = found.information.quadratic(along).sqrt().recip();
+            assert!(held_m < 0.003, "{k}: {held_m} m off the way that was gone");
+            assert!(
+                sigma_m > 0.09,
+                "{k}: the walls claim to know the way to {sigma_m} m"
+            );
+        }
     }
 }

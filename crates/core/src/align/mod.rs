@@ -14,6 +14,13 @@
 //! tell. The errors of the returns on one wall go together, so a wall counts as no more than a few independent returns
 //! however many hit it; otherwise two corridor walls parallel to 2° would seem to fix the place along them. What is
 //! left open so is filled by the motion model, as a Gaussian prior in the same equations.
+//!
+//! A side that is out of line with its wall by a small angle ε tells a shift along the wall by sin ε of itself, and so do
+//! the corners of a round wall that is drawn with sides. This is not information: what was seen last holds the scanner
+//! fast. So Ω is discounted by S = 3 Σ w ε² aᵢaᵢᵀ, aᵢ the derivatives along the side, to Ω (Ω + S)⁻¹ Ω; ε² is how far the directions of
+//! the scan's side and the map's differ, and what 2 cm at the ends make of a short side. Where walls tell much, S is
+//! nothing against Ω. (Eight simulated ring corridors, scanner that reaches 5.6 m: 9 to 12 m off without it; with it, and with a
+//! steady speed (`place/motion.rs`), 0.1 to 1.8 m, but for one in which a turn was not seen.)
 
 mod information;
 mod least_squares;
