@@ -438,6 +438,7 @@ mod tests {
                         direction: truth.inverse().rotate(outward.left() * way),
                         sigma_m: 0.015,
                         worth: 0.5,
+                        is_on_short_side: false,
                         polyline: 0,
                     }
                 })
