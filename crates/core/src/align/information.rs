@@ -63,11 +63,17 @@ impl Information {
         Self { rows }
     }
 
-    /// The information that is left when independent noise is added to the pose: (Ω⁻¹ + N)⁻¹, computed as
-    /// Ω − Ω (Ω + N⁻¹)⁻¹ Ω, which needs no inverse of Ω.
+    /// The information that is left when independent noise is added to the pose.
     #[must_use]
     pub fn with_noise(&self, sigma_m: f64, sigma_rad: f64) -> Self {
-        let sum = self.plus(&Self::from_sigmas(sigma_m, sigma_m, sigma_rad));
+        self.doubted(&Self::from_sigmas(sigma_m, sigma_m, sigma_rad))
+    }
+
+    /// The information that is left when independent noise is added to the pose, of covariance N: (Ω⁻¹ + N)⁻¹, computed
+    /// as Ω − Ω (Ω + N⁻¹)⁻¹ Ω, which needs no inverse of Ω. `noise` is N⁻¹.
+    #[must_use]
+    pub fn doubted(&self, noise: &Self) -> Self {
+        let sum = self.plus(noise);
         let mut rows = self.rows;
         for c in 0..3 {
             let column = [self.rows[0][c], self.rows[1][c], self.rows[2][c]];

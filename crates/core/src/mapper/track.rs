@@ -84,7 +84,7 @@ impl Track {
     /// The motion from scan to scan, in the scanner's frame; none where scans do not follow each other closely.
     pub fn speed(&self) -> Pose {
         match &self.motion {
-            Some(motion) if motion.is_smooth() => motion.step,
+            Some(motion) if motion.is_smooth() => motion.step(),
             _ => Pose::IDENTITY,
         }
     }

@@ -132,7 +132,7 @@ impl<'a> Stage<'a> {
 
     fn usual_reach_m(&self) -> f64 {
         let usual_m = 0.5 + 10.0 * self.motion.usual.shift_m;
-        usual_m.min(self.settings.window_m) + self.motion.step.translation().norm()
+        usual_m.min(self.settings.window_m) + self.motion.step().translation().norm()
     }
 
     pub fn is_good(&self, p: &Placement) -> bool {

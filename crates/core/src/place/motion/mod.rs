@@ -5,10 +5,18 @@
 //! trolley never sideways. So the steps of the log itself are the motion model, a density estimated from them
 //! (Parzen windows), and nothing has to be set for a robot or a hand.
 
+mod speed;
+mod usual;
+
 use std::collections::VecDeque;
 
 use crate::align::{Guess, Information};
 use crate::geometry::{Pose, wrap_rad};
+use speed::{Seen, Speed};
+use usual::{ChangeOfSpeed, Driving, Surprise};
+
+/// A change of speed counts where the walls tell the place to this in every direction, metres.
+const WELL_TOLD_M: f64 = 0.01;
 
 /// A log with more than one step in ten longer than this is one of keyframes, metres.
 const SMOOTH_STEP_M: f64 = 0.5;
@@ -25,21 +33,13 @@ const SHARE_ANYTHING: f64 = 0.1;
 const ANYTHING_M: f64 = 0.3;
 const ANYTHING_RAD: f64 = 0.3;
 
-/// What an alignment says in two scans in a row errs alike (the same walls, the same map): so much of its information
-/// counts for the speed.
-const WALLS_INDEPENDENCE: f64 = 0.25;
-/// Standard deviations of a step whatever the walls say, metres and radians.
-const STEP_SIGMA_M: f64 = 0.005;
-const STEP_SIGMA_RAD: f64 = 0.002;
-
 /// The scanner's last pose and how it moved to it.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     pub map_from_scan: Pose,
-    /// The speed: the motion from one scan to the next, in the frame of the former.
-    pub step: Pose,
-    /// Its information.
-    known: Information,
+    speed: Speed,
+    change: ChangeOfSpeed,
+    driving: Driving,
     /// By odometry, from the last placed scan to now, in the frame of the former.
     driven: Option<Pose>,
     /// Scans since, that could not be placed.
@@ -52,40 +52,14 @@ pub(crate) struct Motion {
     steps: VecDeque<Pose>,
 }
 
-/// How far poses usually lie from the predicted ones: some millimetres in a log of every scan, a metre in one of
-/// keyframes. A running mean, so that one set of settings serves both.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Surprise {
-    pub shift_m: f64,
-    pub turn_rad: f64,
-}
-
-impl Default for Surprise {
-    fn default() -> Self {
-        Self {
-            shift_m: 0.3,
-            turn_rad: 0.3,
-        }
-    }
-}
-
-impl Surprise {
-    fn after(self, shift_m: f64, turn_rad: f64) -> Self {
-        const GAIN: f64 = 0.1;
-        Self {
-            shift_m: (self.shift_m + GAIN * (shift_m - self.shift_m)).max(0.03),
-            turn_rad: (self.turn_rad + GAIN * (turn_rad - self.turn_rad)).max(0.02),
-        }
-    }
-}
-
 impl Motion {
     /// No motion yet.
     pub fn starting_at(map_from_scan: Pose) -> Self {
         Self {
             map_from_scan,
-            step: Pose::IDENTITY,
-            known: Information::default(),
+            speed: Speed::default(),
+            change: ChangeOfSpeed::default(),
+            driving: Driving::default(),
             driven: None,
             lost_scans: 0,
             usual: Surprise::default(),
@@ -114,15 +88,26 @@ impl Motion {
     /// After a gap the speed is not known.
     pub fn advance(&mut self, pose: Pose, walls: Option<&Information>) {
         if self.lost_scans > 0 {
-            self.step = Pose::IDENTITY;
-            self.known = Information::default();
+            self.speed = Speed::default();
             self.steady = 0;
         } else {
             self.steady += 1;
             let predicted = self.predicted().map_from_scan;
             let turn_rad = wrap_rad(predicted.theta_rad - pose.theta_rad).abs();
             self.usual = self.usual.after(predicted.distance(pose), turn_rad);
-            self.accelerate(self.map_from_scan.inverse() * pose, walls);
+            let seen = Seen {
+                step: self.map_from_scan.inverse() * pose,
+                walls: walls.map(|w| w.turned(-self.map_from_scan.theta_rad)),
+            };
+            self.driving.take(seen.step.translation().norm());
+            if walls.is_some_and(|w| w.weakest_direction().1 > WELL_TOLD_M.powi(-2)) {
+                self.change.take(seen.step.distance(self.speed.step));
+            }
+            let change = Surprise {
+                shift_m: self.change.sigma_m(self.usual.shift_m),
+                ..self.usual
+            };
+            self.speed.see(&seen, change);
             if self.steps.len() == MEMORY {
                 self.steps.pop_front();
             }
@@ -133,35 +118,9 @@ impl Motion {
         self.lost_scans = 0;
     }
 
-    /// The speed after a step was seen (a Kalman filter). It follows where the walls tell and goes on where they do not: taken
-    /// from the last two poses alone, it dies away along a corridor, and the scanner stands still in its own eyes
-    /// (in one log over seven scans, 0.6 m).
-    fn accelerate(&mut self, seen: Pose, walls: Option<&Information>) {
-        let expected = self.known.with_noise(self.usual.shift_m, self.usual.turn_rad);
-        let told = match walls {
-            Some(walls) => walls
-                .turned(-self.map_from_scan.theta_rad)
-                .scaled(WALLS_INDEPENDENCE)
-                .with_noise(STEP_SIGMA_M, STEP_SIGMA_RAD),
-            None => Information::from_sigmas(STEP_SIGMA_M, STEP_SIGMA_M, STEP_SIGMA_RAD),
-        };
-        let known = expected.plus(&told);
-        let off = [
-            seen.x - self.step.x,
-            seen.y - self.step.y,
-            wrap_rad(seen.theta_rad - self.step.theta_rad),
-        ];
-        let Some(gain) = known.solve(told.times(off)) else {
-            self.step = seen;
-            self.known = Information::default();
-            return;
-        };
-        self.step = Pose::new(
-            self.step.x + gain[0],
-            self.step.y + gain[1],
-            wrap_rad(self.step.theta_rad + gain[2]),
-        );
-        self.known = known;
+    /// The speed: the motion from one scan to the next, in the frame of the former.
+    pub fn step(&self) -> Pose {
+        self.speed.step
     }
 
     /// Where the scanner is when it keeps on moving as before, or as odometry says: wheels slip by a tenth of the way.
@@ -172,7 +131,7 @@ impl Motion {
                 sigma_m: 0.02 + 0.1 * driven.translation().norm(),
                 sigma_rad: 0.02 + 0.1 * driven.theta_rad.abs(),
             },
-            None => self.after_step(self.step),
+            None => self.after_step(self.speed.step),
         }
     }
 
@@ -193,7 +152,7 @@ impl Motion {
     pub fn standing(&self) -> Guess {
         Guess {
             map_from_scan: self.map_from_scan,
-            ..self.after_step(self.step)
+            ..self.after_step(self.speed.step)
         }
     }
 
@@ -244,7 +203,7 @@ impl Motion {
 
     /// The step that is expected: by odometry, or the last one again.
     pub fn expected_step(&self) -> Pose {
-        self.driven.unwrap_or(self.step)
+        self.driven.unwrap_or(self.speed.step)
     }
 
     fn density(&self, step: Pose) -> f64 {
@@ -274,7 +233,7 @@ impl Motion {
     fn after_step(&self, step: Pose) -> Guess {
         Guess {
             map_from_scan: self.map_from_scan * step,
-            sigma_m: 0.02 + 0.3 * step.translation().norm(),
+            sigma_m: 0.02 + 0.3 * step.translation().norm().max(self.driving.step_m()),
             sigma_rad: 0.02 + 0.3 * step.theta_rad.abs(),
         }
     }
@@ -328,7 +287,7 @@ mod tests {
             for _ in 0..3 {
                 motion.advance(motion.map_from_scan * Pose::new(0.05, 0.0, 0.0), Some(&walls));
             }
-            motion.step.x
+            motion.speed.step.x
         };
         let corridor = drive(Information::from_sigmas(0.3, 0.005, 0.002));
         assert!(corridor > 0.09, "{corridor} m a step");
@@ -360,7 +319,7 @@ mod tests {
         };
         found.advance(Pose::new(4.0, 0.0, 0.0), None);
         assert!(
-            found.step.translation().norm() < 1e-12,
+            found.speed.step.translation().norm() < 1e-12,
             "four metres in four scans is no speed"
         );
     }
