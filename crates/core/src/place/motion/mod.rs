@@ -101,13 +101,9 @@ impl Motion {
             };
             self.driving.take(seen.step.translation().norm());
             if walls.is_some_and(|w| w.weakest_direction().1 > WELL_TOLD_M.powi(-2)) {
-                self.change.take(seen.step.distance(self.speed.step));
+                self.change.take(seen.step.translation() - self.speed.step.translation());
             }
-            let change = Surprise {
-                shift_m: self.change.sigma_m(self.usual.shift_m),
-                ..self.usual
-            };
-            self.speed.see(&seen, change);
+            self.speed.see(&seen, &self.change.covariance(self.usual));
             if self.steps.len() == MEMORY {
                 self.steps.pop_front();
             }

@@ -5,7 +5,6 @@
 //! scanner is moved by what has gathered over all of them. Taken for the last step alone, such a correction of 5 cm made a
 //! scanner that moved on by 5 cm a scan stand still in its own eyes (a simulated corridor, for 150 scans).
 
-use super::Surprise;
 use crate::align::Information;
 use crate::geometry::{Pose, wrap_rad};
 
@@ -53,8 +52,8 @@ impl Default for Speed {
 }
 
 impl Speed {
-    /// Takes in a step. `change` is how much the speed may have changed in it.
-    pub fn see(&mut self, seen: &Seen, change: Surprise) {
+    /// Takes in a step. `change` is the covariance of how much the speed may have changed in it.
+    pub fn see(&mut self, seen: &Seen, change: &Matrix) {
         self.predict(change);
         let off = [
             seen.step.x - self.step.x,
@@ -69,8 +68,8 @@ impl Speed {
     }
 
     /// The covariances of the next pose, by the axes of the last.
-    fn predict(&mut self, change: Surprise) {
-        self.of_step = plus(&self.of_step, &diagonal(change.shift_m, change.turn_rad));
+    fn predict(&mut self, change: &Matrix) {
+        self.of_step = plus(&self.of_step, change);
         // An error of the heading moves the end of the step aside.
         let swing = [
             [1.0, 0.0, -self.step.y],
@@ -147,11 +146,8 @@ mod tests {
         theta_rad: 0.0,
     };
 
-    fn change() -> Surprise {
-        Surprise {
-            shift_m: 0.005,
-            turn_rad: 0.02,
-        }
+    fn change() -> Matrix {
+        diagonal(0.005, 0.02)
     }
 
     fn see(speed: &mut Speed, x_m: f64, sigma_along_m: f64) {
@@ -162,7 +158,7 @@ mod tests {
                 step,
                 walls: Some(walls),
             },
-            change(),
+            &change(),
         );
     }
 
@@ -171,7 +167,10 @@ mod tests {
         let after_fix = |open_scans: u32| {
             let mut speed = Speed::default();
             (0..40).for_each(|_| see(&mut speed, 0.05, 0.005));
-            (0..open_scans).for_each(|_| see(&mut speed, speed.step.x, 10.0));
+            (0..open_scans).for_each(|_| {
+                let going_on_m = speed.step.x;
+                see(&mut speed, going_on_m, 10.0);
+            });
             // Something tells the place again: the scanner is 5 cm behind.
             see(&mut speed, 0.0, 0.005);
             speed.step.x
@@ -189,7 +188,10 @@ mod tests {
         let mut speed = Speed::default();
         (0..40).for_each(|_| see(&mut speed, 0.05, 0.005));
         // Walls slightly out of line hold the scanner back a little.
-        (0..20).for_each(|_| see(&mut speed, 0.9 * speed.step.x, 0.1));
+        (0..20).for_each(|_| {
+            let held_back_m = 0.9 * speed.step.x;
+            see(&mut speed, held_back_m, 0.1);
+        });
         assert!(speed.step.x > 0.04, "{} m a scan", speed.step.x);
     }
 
@@ -204,7 +206,7 @@ mod tests {
             // By the axes of the scanner, which has turned.
             let walls = Information::from_sigmas(1.0, 0.005, 0.002).turned(-0.1 * f64::from(k));
             let walls = Some(walls);
-            speed.see(&Seen { step: turning, walls }, change());
+            speed.see(&Seen { step: turning, walls }, &change());
         }
         // 20 turns of 0.1 since the corridor lay ahead.
         let along = [2.0_f64.cos(), -2.0_f64.sin()];

@@ -3,6 +3,8 @@
 //! In: every step. Out: standard deviations, so that one set of settings serves a log of every scan, one of keyframes, a robot
 //! and a hand.
 
+use crate::geometry::Point;
+
 /// How far poses usually lie from the predicted ones: some millimetres in a log of every scan, a metre in one of
 /// keyframes. A running mean, so that one set of settings serves both.
 #[derive(Clone, Copy, Debug)]
@@ -37,27 +39,40 @@ const MOST_CHANGES: u32 = 300;
 const STEADIEST_M: f64 = 0.002;
 
 /// How much the speed changes from scan to scan where the walls tell it: a running mean. Where they do not, it changes no more
-/// than there; a robot that drives along a round wall goes on driving. It is the mean of squares: a robot that stops
-/// once in a hundred scans stops within one. (Of absolute values, one recorded log stood still for a metre.)
+/// than there: a robot that drives along a round wall goes on driving, and what never moves sideways does not there. It is the mean
+/// of squares: a robot that stops once in a hundred scans stops within one. (Of absolute values, one recorded log stood
+/// still for a metre.)
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ChangeOfSpeed {
-    mean_square_m2: f64,
+    /// Means of x², xy and y² of the change, scanner's axes, m².
+    squares_m2: [f64; 3],
     count: u32,
 }
 
 impl ChangeOfSpeed {
-    /// Takes a change into the mean.
-    pub fn take(&mut self, change_m: f64) {
+    /// Takes a change into the mean, scanner's axes, metres a scan.
+    pub fn take(&mut self, change: Point) {
         self.count = (self.count + 1).min(MOST_CHANGES);
-        self.mean_square_m2 += (change_m * change_m - self.mean_square_m2) / f64::from(self.count);
+        let squares_m2 = [change.x * change.x, change.x * change.y, change.y * change.y];
+        for (mean, new) in self.squares_m2.iter_mut().zip(squares_m2) {
+            *mean += (new - *mean) / f64::from(self.count);
+        }
     }
 
-    /// Standard deviation of a change, metres a scan, when poses usually lie `usual_m` from the predicted ones.
-    pub fn sigma_m(self, usual_m: f64) -> f64 {
-        if self.count < FEWEST_CHANGES {
-            return usual_m;
+    /// Covariance of the next change (x, y, heading), scanner's axes, when poses usually lie `usual` from the predicted ones:
+    /// those know no more than that.
+    pub fn covariance(&self, usual: Surprise) -> [[f64; 3]; 3] {
+        let (most_m2, turn_rad2) = (usual.shift_m * usual.shift_m, usual.turn_rad * usual.turn_rad);
+        let mut squares_m2 = [most_m2, 0.0, most_m2];
+        if self.count >= FEWEST_CHANGES {
+            let [xx, xy, yy] = self.squares_m2;
+            let share = (most_m2 / (xx + yy)).min(1.0);
+            squares_m2 = [xx, xy, yy].map(|m2| share * m2);
+            squares_m2[0] += STEADIEST_M * STEADIEST_M;
+            squares_m2[2] += STEADIEST_M * STEADIEST_M;
         }
-        self.mean_square_m2.sqrt().clamp(STEADIEST_M, usual_m)
+        let [xx, xy, yy] = squares_m2;
+        [[xx, xy, 0.0], [xy, yy, 0.0], [0.0, 0.0, turn_rad2]]
     }
 }
 
