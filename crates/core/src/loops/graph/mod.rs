@@ -4,14 +4,17 @@
 //! Nodes are keyframe poses xᵢ, edges measured motions zᵢⱼ with information Ωᵢⱼ. The residual of an edge is
 //! e = (Rᵢᵀ(tⱼ − tᵢ) − z_t, θⱼ − θᵢ − z_θ), in the frame of node i. Σ ρ(eᵀΩe) is minimised by Gauss–Newton steps with
 //! Levenberg's damping; ρ is Cauchy's log(1 + ·) on loop edges, so that a false one loses its pull, and the square on
-//! the others. The scale of ρ shrinks from wide to 1 (graduated non-convexity). The normal equations are solved by block elimination in order of least degree ([`sparse`]).
+//! the others. The scale of ρ shrinks from wide to 1 (graduated non-convexity). The normal equations are solved by block
+//! elimination in order of least degree ([`elimination`], [`sparse`]).
 
 pub(crate) mod block;
+mod elimination;
 mod sparse;
 
 use crate::align::Information;
 use crate::geometry::{Pose, wrap_rad};
 use block::Block;
+use elimination::Elimination;
 use sparse::System;
 
 /// A measured motion between two nodes.
@@ -83,8 +86,9 @@ pub(crate) fn optimise(poses: &mut [Pose], edges: &[Edge]) -> (f64, f64) {
     let before = total(poses);
     let loops = edges.iter().filter(|e| e.is_loop);
     let mut scale = loops.map(|e| e.square(poses)).fold(1.0, f64::max).min(WIDEST);
+    let elimination = Elimination::new(poses.len(), edges.iter().map(|e| (e.from, e.to)));
     loop {
-        descend(poses, edges, scale);
+        descend(poses, edges, &elimination, scale);
         if scale <= 1.0 {
             break;
         }
@@ -94,12 +98,12 @@ pub(crate) fn optimise(poses: &mut [Pose], edges: &[Edge]) -> (f64, f64) {
 }
 
 /// Gauss–Newton steps with Levenberg's damping at one scale of ρ.
-fn descend(poses: &mut [Pose], edges: &[Edge], scale: f64) {
+fn descend(poses: &mut [Pose], edges: &[Edge], elimination: &Elimination, scale: f64) {
     let total = |poses: &[Pose]| edges.iter().map(|e| e.cost(poses, scale).0).sum::<f64>();
     let mut cost = total(poses);
     let mut damping = 1e-6;
     for _ in 0..MOST_STEPS {
-        let Some(steps) = linearise(poses, edges, scale, damping).solve() else {
+        let Some(steps) = linearise(poses, edges, elimination, scale, damping).solve() else {
             break;
         };
         let mut moved = poses.to_vec();
@@ -135,8 +139,14 @@ pub(crate) fn contradicted(poses: &[Pose], edges: &[Edge]) -> Vec<usize> {
     (0..edges.len()).filter(|&k| is_false(&edges[k])).collect()
 }
 
-fn linearise(poses: &[Pose], edges: &[Edge], scale: f64, damping: f64) -> System {
-    let mut system = System::new(poses.len());
+fn linearise<'a>(
+    poses: &[Pose],
+    edges: &[Edge],
+    elimination: &'a Elimination,
+    scale: f64,
+    damping: f64,
+) -> System<'a> {
+    let mut system = System::new(elimination);
     for edge in edges {
         let residual = edge.residual(poses);
         let (_, weight) = edge.cost(poses, scale);
