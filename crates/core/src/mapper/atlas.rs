@@ -4,6 +4,7 @@
 //! paper's G(t−1), as far as it agrees with itself) is kept up to date scan by scan, so that it holds only keyframes
 //! between which little drift has gathered ([`local`]). The map of all keyframes is made when it is asked for.
 
+mod enough;
 mod local;
 mod saved;
 mod settle;
@@ -11,6 +12,7 @@ mod shown;
 mod straighten;
 
 use super::{Revoked, Settings, Step};
+use enough::needed;
 use local::Local;
 use std::sync::Arc;
 
@@ -26,7 +28,7 @@ use crate::merge::finish::finish;
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::moving::find_moving;
 
-/// Keyframes within this way along the graph make up the map around, metres. Drift stays below the gate of merging.
+/// Keyframes within this way along the graph are within reach of the map around, metres. Drift stays below the gate of merging.
 const LOCAL_M: f64 = 12.0;
 /// Way after which the map around is brought up to where the scanner is, metres.
 const RENEW_AFTER_M: f64 = 6.0;
@@ -386,8 +388,10 @@ impl Atlas {
 
     /// Makes the map around anew.
     fn renew_local(&mut self, settings: &Settings) {
-        self.around = self.keyframes_around();
-        self.local.renew(&self.keyframes, &self.around, settings);
+        let ways = self.ways_around();
+        self.around = within(&ways, LOCAL_M);
+        let needed = needed(&self.keyframes, &[], &self.around, &ways);
+        self.local.renew(&self.keyframes, &needed, settings);
         self.unrenewed_m = 0.0;
         self.stale_from = None;
         self.has_moved = false;
@@ -403,17 +407,20 @@ impl Atlas {
             return;
         }
         self.around = within(&ways, LOCAL_M);
-        self.local.take_in(&self.keyframes, &self.around, settings);
+        let needed = needed(&self.keyframes, self.local.order(), &self.around, &ways);
+        self.local.take_in(&self.keyframes, &needed, settings);
         self.unrenewed_m = 0.0;
     }
 
-    /// The keyframes that make up the map around, ascending.
+    /// The keyframes within reach of the newest, ascending.
     fn keyframes_around(&self) -> Vec<usize> {
+        within(&self.ways_around(), LOCAL_M)
+    }
+
+    /// The ways to them.
+    fn ways_around(&self) -> Vec<Option<f64>> {
         let newest = self.keyframes.len() - 1;
-        within(
-            &ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M),
-            LOCAL_M,
-        )
+        ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M)
     }
 
     /// The map of all keyframes, after the final pass.
