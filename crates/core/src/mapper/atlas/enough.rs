@@ -13,8 +13,9 @@ use std::f64::consts::TAU;
 use crate::geometry::Pose;
 use crate::keyframe::Keyframe;
 
-/// The map around needs no more keyframes than this. (400: the last tenth takes twice as long as the first. 200: a step of
-/// 1.4 m in one of eight runs of raw csail, whose ranges differed by a billionth.)
+/// The map around needs no more keyframes than this. Raw intel is mapped as exactly with 200 as with all of them (0.0134 m);
+/// but with 200 one of eight runs of raw csail, ranges alike to a millionth, took a step of 1.4 m wrongly, with 250 and
+/// with 300 none.
 const ENOUGH: usize = 250;
 /// Keyframes within a square of this edge, metres, and a sixth of a turn show the same.
 const SAME_M: f64 = 1.0;
