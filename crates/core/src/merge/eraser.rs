@@ -155,11 +155,9 @@ fn stands(found: &Found, keyframes: &[Keyframe], settings: &EraserSettings) -> b
 }
 
 fn sees(keyframe: &Keyframe, area: &EraserBox) -> bool {
-    let inside = keyframe
-        .points
-        .iter()
-        .filter(|p| area.contains(keyframe.map_from_scan * p.point));
-    inside.take(SEEN_RETURNS).count() >= SEEN_RETURNS
+    let points = keyframe.points.iter().map(|p| &p.point);
+    let places = keyframe.map_from_scan.transform(points);
+    places.filter(|&p| area.contains(p)).nth(SEEN_RETURNS - 1).is_some()
 }
 
 #[cfg(test)]
