@@ -325,17 +325,18 @@ impl Atlas {
     /// Ties the keyframes of the last metres to the earlier visit of the place that was recognised.
     fn tie_visits(&mut self, settings: &Settings) {
         let newest_m = self.keyframes.last().map_or(0.0, |k| k.way_m);
-        let (mut earlier, mut newer) = (Vec::new(), Vec::new());
+        let ways = self.ways_around();
+        let (mut earlier, mut newer) = (within(&ways, LOCAL_M), Vec::new());
         let mut tied_m = f64::INFINITY;
-        for k in self.keyframes_around().into_iter().rev() {
+        for &k in earlier.iter().rev() {
             let way_m = self.keyframes[k].way_m;
-            if newest_m - way_m > 2.0 * LOCAL_M {
-                earlier.push(k);
-            } else if newest_m - way_m < LOCAL_M && tied_m - way_m > TIE_AFTER_M {
+            if newest_m - way_m < LOCAL_M && tied_m - way_m > TIE_AFTER_M {
                 newer.push(k);
                 tied_m = way_m;
             }
         }
+        earlier.retain(|&k| newest_m - self.keyframes[k].way_m > 2.0 * LOCAL_M);
+        let earlier = needed(&self.keyframes, &[], &earlier, &ways);
         let ties = ties(&self.keyframes, &earlier, &newer, &settings.align);
         if !ties.is_empty() {
             self.edges.extend(ties.into_iter().map(|tie| Edge {
@@ -412,12 +413,7 @@ impl Atlas {
         self.unrenewed_m = 0.0;
     }
 
-    /// The keyframes within reach of the newest, ascending.
-    fn keyframes_around(&self) -> Vec<usize> {
-        within(&self.ways_around(), LOCAL_M)
-    }
-
-    /// The ways to them.
+    /// The ways to the keyframes within reach of the newest.
     fn ways_around(&self) -> Vec<Option<f64>> {
         let newest = self.keyframes.len() - 1;
         ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M)
