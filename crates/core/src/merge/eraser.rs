@@ -150,8 +150,13 @@ fn stands(found: &Found, keyframes: &[Keyframe], settings: &EraserSettings) -> b
     if found.keyframes.len() < settings.least_keyframes {
         return false;
     }
-    let seen = keyframes.iter().filter(|k| sees(k, &found.area)).count();
-    found.keyframes.len() as f64 >= settings.least_share * seen as f64
+    // Counted no farther than is needed to tell, from where it was found on: the returns of all keyframes are many megabytes.
+    let count = found.keyframes.len() as f64;
+    let too_many = (count / settings.least_share + 2.0) as usize;
+    let (before, since) = keyframes.split_at(found.keyframes[0]);
+    let seeing = since.iter().chain(before).filter(|k| sees(k, &found.area));
+    let seen = seeing.take(too_many).count();
+    count >= settings.least_share * seen as f64
 }
 
 fn sees(keyframe: &Keyframe, area: &EraserBox) -> bool {
