@@ -141,10 +141,11 @@ impl Equations {
     }
 
     fn add_edge(&mut self, edge: &Edge, poses: &[Pose]) {
-        let (cost, weight) = edge.cost(poses, 1.0);
+        let at = edge.at(poses);
+        let (cost, weight) = at.cost(1.0);
         self.cost += cost;
         let omega = edge.information.scaled(weight).rows;
-        let (from, to) = edge.jacobians(poses);
+        let (from, to) = at.jacobians();
         let (pull_from, pull_to) = (product(&omega, &from), product(&omega, &to));
         let tie = Tie {
             from: edge.from,
@@ -155,7 +156,7 @@ impl Equations {
         };
         add_to(&mut self.poses[tie.from], &tie.from_from);
         add_to(&mut self.poses[tie.to], &tie.to_to);
-        let pull = times(&omega, edge.residual(poses));
+        let pull = times(&omega, at.residual);
         for (end, jacobian) in [(edge.from, from), (edge.to, to)] {
             for (g, p) in self.pose_gradients[end]
                 .iter_mut()

@@ -63,9 +63,18 @@ impl Segment {
             return None;
         }
         let to_a = self.a - origin;
+        // Most sides that are asked are not met: that is known without dividing.
+        let along = to_a.cross(direction);
+        let is_on_side = if det > 0.0 {
+            (0.0..=det).contains(&along)
+        } else {
+            (det..=0.0).contains(&along)
+        };
+        if !is_on_side {
+            return None;
+        }
         let t = to_a.cross(side) / det;
-        let share = to_a.cross(direction) / det;
-        (t > 0.0 && (0.0..=1.0).contains(&share)).then_some((t, share))
+        (t > 0.0).then(|| (t, along / det))
     }
 }
 

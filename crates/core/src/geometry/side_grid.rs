@@ -121,39 +121,77 @@ impl SideGrid {
         if self.of_owner.len() <= owner as usize {
             self.of_owner.resize(owner as usize + 1, Vec::new());
         }
-        let mut ids = std::mem::take(&mut self.of_owner[owner as usize]);
-        let mut count = 0;
-        // A side is taken in when the next one is known, so that the last one knows that it ends the polyline.
-        let mut waiting: Option<Side> = None;
-        let mut previous: Option<Point> = None;
-        for (index, vertex) in (0_u32..).zip(vertices) {
-            let segment = previous.map(|from| Segment::new(from, vertex));
-            previous = Some(vertex);
-            let Some((segment, direction)) = segment.and_then(|s| Some((s, s.direction()?))) else {
-                continue;
-            };
-            let next = Side {
-                segment,
-                direction,
-                length_m: segment.length_m(),
-                owner,
-                index: index - 1,
-                ends: u8::from(waiting.is_none()),
-            };
-            if let Some(side) = waiting.replace(next) {
-                self.put(&mut ids, count, side);
-                count += 1;
-            }
+        let before = std::mem::take(&mut self.of_owner[owner as usize]);
+        let sides = self.sides_through(owner, vertices, &before);
+        let stays = |&(&id, side): &(&u32, &Side)| self.side(id).segment == side.segment;
+        let head = before.iter().zip(&sides).take_while(stays).count();
+        let rest = before.len().min(sides.len()) - head;
+        let ends = before.iter().rev().zip(sides.iter().rev());
+        let tail = ends.take(rest).take_while(stays).count();
+
+        let (gone, new) = (head..before.len() - tail, head..sides.len() - tail);
+        let mut ids = Vec::with_capacity(sides.len());
+        ids.extend_from_slice(&before[..head]);
+        let mut old = before[gone.clone()].iter();
+        for &side in &sides[new] {
+            ids.push(match old.next() {
+                Some(&id) => self.replace(id, side),
+                None => self.add(side),
+            });
         }
-        if let Some(mut last) = waiting {
-            last.ends |= 2;
-            self.put(&mut ids, count, last);
-            count += 1;
-        }
-        for id in ids.drain(count..) {
+        for &id in old {
             self.take_out(id);
         }
+        ids.extend_from_slice(&before[gone.end..]);
+        for (&id, side) in ids.iter().zip(&sides) {
+            let kept = &mut self.sides[id as usize];
+            (kept.index, kept.ends) = (side.index, side.ends);
+        }
         self.of_owner[owner as usize] = ids;
+    }
+
+    /// The sides between vertices; what has no length is left out. `before` are those that the polyline had.
+    fn sides_through(
+        &self,
+        owner: u32,
+        vertices: impl IntoIterator<Item = Point>,
+        before: &[u32],
+    ) -> Vec<Side> {
+        let mut sides: Vec<Side> = Vec::with_capacity(before.len() + 8);
+        let mut previous: Option<Point> = None;
+        for (index, vertex) in (0_u32..).zip(vertices) {
+            let Some(from) = previous.replace(vertex) else {
+                continue;
+            };
+            let segment = Segment::new(from, vertex);
+            let Some((direction, length_m)) = self.measured(segment, before.get(sides.len())) else {
+                continue;
+            };
+            sides.push(Side {
+                segment,
+                direction,
+                length_m,
+                owner,
+                index: index - 1,
+                ends: 0,
+            });
+        }
+        if let Some(first) = sides.first_mut() {
+            first.ends |= 1;
+        }
+        if let Some(last) = sides.last_mut() {
+            last.ends |= 2;
+        }
+        sides
+    }
+
+    /// Direction and length of a side, known already where the one `before` it in its place was the same; `None` when it has
+    /// no length.
+    fn measured(&self, segment: Segment, before: Option<&u32>) -> Option<(Point, f64)> {
+        match before.map(|&id| self.side(id)) {
+            Some(side) if side.segment == segment => Some((side.direction, side.length_m)),
+            _ => Some((segment.direction()?, segment.length_m())),
+        }
     }
 
     /// Takes all sides of a polyline out.
@@ -166,23 +204,19 @@ impl SideGrid {
         }
     }
 
-    /// Puts the `k`-th side of a polyline, whose sides so far are `ids`, in the place of the one before, if there was one.
-    fn put(&mut self, ids: &mut Vec<u32>, k: usize, side: Side) {
-        let Some(&id) = ids.get(k) else {
-            ids.push(self.add(side));
-            return;
-        };
+    /// Puts a side in the place of another; returns its number.
+    fn replace(&mut self, id: u32, side: Side) -> u32 {
         let before = std::mem::replace(&mut self.sides[id as usize], side).segment;
         let is_same_cell = |p: Point, q: Point| cell_at(p) == cell_at(q);
         let segment = side.segment;
-        let stays = segment == before
-            || (is_same_cell(segment.a, before.a)
-                && is_same_cell(segment.b, before.b)
-                && is_same_cell(segment.a, segment.b));
+        let stays = is_same_cell(segment.a, before.a)
+            && is_same_cell(segment.b, before.b)
+            && is_same_cell(segment.a, segment.b);
         if !stays {
             for_each_cell(before, |cell| self.cells.remove(cell, id));
             for_each_cell(segment, |cell| self.cells.add(cell, id));
         }
+        id
     }
 
     fn take_out(&mut self, id: u32) {
@@ -414,6 +448,30 @@ mod tests {
             match grid.reader().nearest(p, &near, |_| true) {
                 Some(foot) => assert!((foot.distance_m - naive).abs() < 1e-9),
                 None => assert!(naive > 0.8, "missed a side at {naive} m"),
+            }
+        }
+    }
+
+    #[test]
+    fn a_polyline_that_changed_is_as_if_taken_in_anew() {
+        let wave =
+            |count: u32| (0..count).map(|k| Point::new(0.3 * f64::from(k), (0.7 * f64::from(k)).sin()));
+        let aside = [Point::new(3.0, 4.0), Point::new(3.5, 4.2), Point::new(3.5, 4.2)];
+        let longer: Vec<Point> = wave(10).chain(aside).chain(wave(30).skip(11)).collect();
+        let shorter: Vec<Point> = wave(5).chain(wave(30).skip(25)).collect();
+        let mut grid = SideGrid::default();
+        for vertices in [wave(30).collect(), longer, shorter.clone(), shorter, Vec::new()] {
+            grid.insert(0, vertices.iter().copied());
+            let mut anew = SideGrid::default();
+            anew.insert(0, vertices);
+            assert!(grid.sides().eq(anew.sides()));
+            for k in 0..200 {
+                let (origin, direction) = (Point::new(4.0, 2.0), Point::from_polar(1.0, f64::from(k)));
+                let met = |grid: &SideGrid| {
+                    let crossing = grid.reader().first_along_ray(origin, direction, 20.0)?;
+                    Some((grid.side(crossing.side).index, crossing.range_m))
+                };
+                assert_eq!(met(&grid), met(&anew), "ray {k}");
             }
         }
     }

@@ -4,6 +4,7 @@
 //! paper's G(t−1), as far as it agrees with itself) is kept up to date scan by scan, so that it holds only keyframes
 //! between which little drift has gathered ([`local`]). The map of all keyframes is made when it is asked for.
 
+mod enough;
 mod local;
 mod saved;
 mod settle;
@@ -11,6 +12,7 @@ mod shown;
 mod straighten;
 
 use super::{Revoked, Settings, Step};
+use enough::needed;
 use local::Local;
 use std::sync::Arc;
 
@@ -26,7 +28,7 @@ use crate::merge::finish::finish;
 use crate::merge::growing_map::GrowingMap;
 use crate::merge::moving::find_moving;
 
-/// Keyframes within this way along the graph make up the map around, metres. Drift stays below the gate of merging.
+/// Keyframes within this way along the graph are within reach of the map around, metres. Drift stays below the gate of merging.
 const LOCAL_M: f64 = 12.0;
 /// Way after which the map around is brought up to where the scanner is, metres.
 const RENEW_AFTER_M: f64 = 6.0;
@@ -323,17 +325,18 @@ impl Atlas {
     /// Ties the keyframes of the last metres to the earlier visit of the place that was recognised.
     fn tie_visits(&mut self, settings: &Settings) {
         let newest_m = self.keyframes.last().map_or(0.0, |k| k.way_m);
-        let (mut earlier, mut newer) = (Vec::new(), Vec::new());
+        let ways = self.ways_around();
+        let (mut earlier, mut newer) = (within(&ways, LOCAL_M), Vec::new());
         let mut tied_m = f64::INFINITY;
-        for k in self.keyframes_around().into_iter().rev() {
+        for &k in earlier.iter().rev() {
             let way_m = self.keyframes[k].way_m;
-            if newest_m - way_m > 2.0 * LOCAL_M {
-                earlier.push(k);
-            } else if newest_m - way_m < LOCAL_M && tied_m - way_m > TIE_AFTER_M {
+            if newest_m - way_m < LOCAL_M && tied_m - way_m > TIE_AFTER_M {
                 newer.push(k);
                 tied_m = way_m;
             }
         }
+        earlier.retain(|&k| newest_m - self.keyframes[k].way_m > 2.0 * LOCAL_M);
+        let earlier = needed(&self.keyframes, &[], &earlier, &ways);
         let ties = ties(&self.keyframes, &earlier, &newer, &settings.align);
         if !ties.is_empty() {
             self.edges.extend(ties.into_iter().map(|tie| Edge {
@@ -386,8 +389,10 @@ impl Atlas {
 
     /// Makes the map around anew.
     fn renew_local(&mut self, settings: &Settings) {
-        self.around = self.keyframes_around();
-        self.local.renew(&self.keyframes, &self.around, settings);
+        let ways = self.ways_around();
+        self.around = within(&ways, LOCAL_M);
+        let needed = needed(&self.keyframes, &[], &self.around, &ways);
+        self.local.renew(&self.keyframes, &needed, settings);
         self.unrenewed_m = 0.0;
         self.stale_from = None;
         self.has_moved = false;
@@ -403,17 +408,15 @@ impl Atlas {
             return;
         }
         self.around = within(&ways, LOCAL_M);
-        self.local.take_in(&self.keyframes, &self.around, settings);
+        let needed = needed(&self.keyframes, self.local.order(), &self.around, &ways);
+        self.local.take_in(&self.keyframes, &needed, settings);
         self.unrenewed_m = 0.0;
     }
 
-    /// The keyframes that make up the map around, ascending.
-    fn keyframes_around(&self) -> Vec<usize> {
+    /// The ways to the keyframes within reach of the newest.
+    fn ways_around(&self) -> Vec<Option<f64>> {
         let newest = self.keyframes.len() - 1;
-        within(
-            &ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M),
-            LOCAL_M,
-        )
+        ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M)
     }
 
     /// The map of all keyframes, after the final pass.

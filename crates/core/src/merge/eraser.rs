@@ -150,16 +150,19 @@ fn stands(found: &Found, keyframes: &[Keyframe], settings: &EraserSettings) -> b
     if found.keyframes.len() < settings.least_keyframes {
         return false;
     }
-    let seen = keyframes.iter().filter(|k| sees(k, &found.area)).count();
-    found.keyframes.len() as f64 >= settings.least_share * seen as f64
+    // Counted no farther than is needed to tell, from where it was found on: the returns of all keyframes are many megabytes.
+    let count = found.keyframes.len() as f64;
+    let too_many = (count / settings.least_share + 2.0) as usize;
+    let (before, since) = keyframes.split_at(found.keyframes[0]);
+    let seeing = since.iter().chain(before).filter(|k| sees(k, &found.area));
+    let seen = seeing.take(too_many).count();
+    count >= settings.least_share * seen as f64
 }
 
 fn sees(keyframe: &Keyframe, area: &EraserBox) -> bool {
-    let inside = keyframe
-        .points
-        .iter()
-        .filter(|p| area.contains(keyframe.map_from_scan * p.point));
-    inside.take(SEEN_RETURNS).count() >= SEEN_RETURNS
+    let points = keyframe.points.iter().map(|p| &p.point);
+    let places = keyframe.map_from_scan.transform(points);
+    places.filter(|&p| area.contains(p)).nth(SEEN_RETURNS - 1).is_some()
 }
 
 #[cfg(test)]

@@ -3,16 +3,17 @@
 use super::growing_map::Vertex;
 use crate::geometry::Point;
 
-/// Whether the inner angle at `v` between its neighbours is below `angle_rad`.
-pub(crate) fn is_sharp(u: Point, v: Point, w: Point, angle_rad: f64) -> bool {
+/// Whether the inner angle at `v` between its neighbours is below the one whose tangent is `tan`.
+fn is_sharp(u: Point, v: Point, w: Point, tan: f64) -> bool {
     let (a, b) = (u - v, w - v);
     // The same as |atan2(a × b, a · b)| < angle for angles below 90°, without the arc tangent.
-    a.cross(b).abs() < angle_rad.tan() * a.dot(b)
+    a.cross(b).abs() < tan * a.dot(b)
 }
 
 /// Removes vertices with an inner angle below `angle_rad` until none is left: the polyline then runs in one
 /// direction along what it stands for. One pass with a look back does what the paper's recursion does.
 pub(crate) fn without_sharp_vertices(vertices: Vec<Vertex>, angle_rad: f64) -> Vec<Vertex> {
+    let tan = angle_rad.tan();
     let mut out: Vec<Vertex> = Vec::with_capacity(vertices.len());
     for vertex in vertices {
         while out.len() >= 2
@@ -20,7 +21,7 @@ pub(crate) fn without_sharp_vertices(vertices: Vec<Vertex>, angle_rad: f64) -> V
                 out[out.len() - 2].point,
                 out[out.len() - 1].point,
                 vertex.point,
-                angle_rad,
+                tan,
             )
         {
             out.pop();

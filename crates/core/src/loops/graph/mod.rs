@@ -4,14 +4,17 @@
 //! Nodes are keyframe poses xᵢ, edges measured motions zᵢⱼ with information Ωᵢⱼ. The residual of an edge is
 //! e = (Rᵢᵀ(tⱼ − tᵢ) − z_t, θⱼ − θᵢ − z_θ), in the frame of node i. Σ ρ(eᵀΩe) is minimised by Gauss–Newton steps with
 //! Levenberg's damping; ρ is Cauchy's log(1 + ·) on loop edges, so that a false one loses its pull, and the square on
-//! the others. The scale of ρ shrinks from wide to 1 (graduated non-convexity). The normal equations are solved by block elimination in order of least degree ([`sparse`]).
+//! the others. The scale of ρ shrinks from wide to 1 (graduated non-convexity). The normal equations are solved by block
+//! elimination in order of least degree ([`elimination`], [`sparse`]).
 
 pub(crate) mod block;
+mod elimination;
 mod sparse;
 
 use crate::align::Information;
-use crate::geometry::{Pose, wrap_rad};
+use crate::geometry::{Point, Pose, wrap_rad};
 use block::Block;
+use elimination::Elimination;
 use sparse::System;
 
 /// A measured motion between two nodes.
@@ -28,24 +31,53 @@ pub(crate) struct Edge {
 }
 
 impl Edge {
-    /// Residual: metres, metres, radians.
-    pub fn residual(&self, poses: &[Pose]) -> [f64; 3] {
-        let seen = poses[self.from].inverse() * poses[self.to];
-        [
-            seen.x - self.motion.x,
-            seen.y - self.motion.y,
-            wrap_rad(seen.theta_rad - self.motion.theta_rad),
-        ]
+    /// The edge with its ends where they are.
+    pub fn at(&self, poses: &[Pose]) -> Standing {
+        let (from, to) = (poses[self.from], poses[self.to]);
+        let (sin, cos) = from.theta_rad.sin_cos();
+        // `from.inverse() * to`, with the sine and cosine that the derivatives need, too.
+        let back = Point::new(-cos * from.x - sin * from.y, sin * from.x - cos * from.y);
+        let shift = Point::new(cos * to.x + sin * to.y, cos * to.y - sin * to.x) + back;
+        let turn_rad = wrap_rad(wrap_rad(-from.theta_rad) + to.theta_rad);
+        let residual = [
+            shift.x - self.motion.x,
+            shift.y - self.motion.y,
+            wrap_rad(turn_rad - self.motion.theta_rad),
+        ];
+        Standing {
+            residual,
+            square: self.information.quadratic(residual),
+            is_loop: self.is_loop,
+            shift,
+            sin,
+            cos,
+        }
     }
 
     /// Squared residual in standard deviations.
     pub fn square(&self, poses: &[Pose]) -> f64 {
-        self.information.quadratic(self.residual(poses))
+        self.at(poses).square
     }
+}
 
+/// An edge whose ends are somewhere.
+#[derive(Clone, Copy)]
+pub(crate) struct Standing {
+    /// Metres, metres, radians.
+    pub residual: [f64; 3],
+    /// Squared, in standard deviations.
+    square: f64,
+    is_loop: bool,
+    /// Place of node `to` seen from node `from`, and sine and cosine of the latter's heading.
+    shift: Point,
+    sin: f64,
+    cos: f64,
+}
+
+impl Standing {
     /// Cost, and the weight that Cauchy's ρ of scale `scale` (a squared residual) leaves the edge.
-    pub fn cost(&self, poses: &[Pose], scale: f64) -> (f64, f64) {
-        let square = self.square(poses);
+    pub fn cost(&self, scale: f64) -> (f64, f64) {
+        let square = self.square;
         if self.is_loop {
             (scale * (square / scale).ln_1p(), 1.0 / (1.0 + square / scale))
         } else {
@@ -54,10 +86,9 @@ impl Edge {
     }
 
     /// Derivatives of the residual by (x, y, θ) of either end.
-    pub fn jacobians(&self, poses: &[Pose]) -> (Block, Block) {
-        let (sin, cos) = poses[self.from].theta_rad.sin_cos();
-        let seen = poses[self.from].inverse() * poses[self.to];
-        let from = [[-cos, -sin, seen.y], [sin, -cos, -seen.x], [0.0, 0.0, -1.0]];
+    pub fn jacobians(&self) -> (Block, Block) {
+        let (sin, cos, shift) = (self.sin, self.cos, self.shift);
+        let from = [[-cos, -sin, shift.y], [sin, -cos, -shift.x], [0.0, 0.0, -1.0]];
         let to = [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]];
         (from, to)
     }
@@ -68,6 +99,9 @@ const MOST_STEPS: usize = 30;
 /// The widest scale of ρ: 30 standard deviations. Begun where no edge at all is an outlier, false closures bend the
 /// graph so far that the right ones do not bring it back (infinite corridor: 0.64 m instead of 0.09 m).
 const WIDEST: f64 = 1000.0;
+/// A scale of ρ is left when a step takes less than this share of the cost: the last one, and those on the way there.
+const EXACTLY: f64 = 1e-6;
+const ROUGHLY: f64 = 1e-2;
 /// From one scale of ρ to the next.
 const SHRINK: f64 = 0.1;
 
@@ -79,27 +113,43 @@ const SHRINK: f64 = 0.1;
 /// closure with all its ties gives way to right ones so. (Going back to where it began in that case lost 44 more scans of one
 /// log, and doubled the error of another's loops.)
 pub(crate) fn optimise(poses: &mut [Pose], edges: &[Edge]) -> (f64, f64) {
-    let total = |poses: &[Pose]| edges.iter().map(|e| e.cost(poses, 1.0).0).sum::<f64>();
-    let before = total(poses);
-    let loops = edges.iter().filter(|e| e.is_loop);
-    let mut scale = loops.map(|e| e.square(poses)).fold(1.0, f64::max).min(WIDEST);
+    let mut ends = standing(edges, poses);
+    let before = total(&ends, 1.0);
+    let loops = ends.iter().filter(|e| e.is_loop);
+    let mut scale = loops.map(|e| e.square).fold(1.0, f64::max).min(WIDEST);
+    let elimination = Elimination::new(poses.len(), edges.iter().map(|e| (e.from, e.to)));
     loop {
-        descend(poses, edges, scale);
+        descend(poses, edges, &mut ends, &elimination, scale);
         if scale <= 1.0 {
             break;
         }
         scale = (scale * SHRINK).max(1.0);
     }
-    (before, total(poses))
+    (before, total(&ends, 1.0))
 }
 
-/// Gauss–Newton steps with Levenberg's damping at one scale of ρ.
-fn descend(poses: &mut [Pose], edges: &[Edge], scale: f64) {
-    let total = |poses: &[Pose]| edges.iter().map(|e| e.cost(poses, scale).0).sum::<f64>();
-    let mut cost = total(poses);
+fn standing(edges: &[Edge], poses: &[Pose]) -> Vec<Standing> {
+    edges.iter().map(|e| e.at(poses)).collect()
+}
+
+/// The cost of all edges.
+fn total(ends: &[Standing], scale: f64) -> f64 {
+    ends.iter().map(|e| e.cost(scale).0).sum()
+}
+
+/// Gauss–Newton steps with Levenberg's damping at one scale of ρ. `ends` are the edges where the poses are.
+fn descend(
+    poses: &mut [Pose],
+    edges: &[Edge],
+    ends: &mut Vec<Standing>,
+    elimination: &Elimination,
+    scale: f64,
+) {
+    let mut cost = total(ends, scale);
+    let least_gain = if scale > 1.0 { ROUGHLY } else { EXACTLY };
     let mut damping = 1e-6;
     for _ in 0..MOST_STEPS {
-        let Some(steps) = linearise(poses, edges, scale, damping).solve() else {
+        let Some(steps) = linearise(edges, ends, elimination, scale, damping).solve() else {
             break;
         };
         let mut moved = poses.to_vec();
@@ -107,7 +157,8 @@ fn descend(poses: &mut [Pose], edges: &[Edge], scale: f64) {
         for (pose, s) in moved.iter_mut().zip(&steps).skip(1) {
             *pose = Pose::new(pose.x + s[0], pose.y + s[1], pose.theta_rad + s[2]);
         }
-        let new = total(&moved);
+        let moved_ends = standing(edges, &moved);
+        let new = total(&moved_ends, scale);
         if new > cost {
             damping *= 100.0;
             if damping > 1e9 {
@@ -116,10 +167,11 @@ fn descend(poses: &mut [Pose], edges: &[Edge], scale: f64) {
             continue;
         }
         poses.copy_from_slice(&moved);
+        *ends = moved_ends;
         damping = (damping * 0.1).max(1e-9);
         let gain = cost - new;
         cost = new;
-        if gain < 1e-6 * (1.0 + cost) {
+        if gain < least_gain * (1.0 + cost) {
             break;
         }
     }
@@ -135,19 +187,24 @@ pub(crate) fn contradicted(poses: &[Pose], edges: &[Edge]) -> Vec<usize> {
     (0..edges.len()).filter(|&k| is_false(&edges[k])).collect()
 }
 
-fn linearise(poses: &[Pose], edges: &[Edge], scale: f64, damping: f64) -> System {
-    let mut system = System::new(poses.len());
-    for edge in edges {
-        let residual = edge.residual(poses);
-        let (_, weight) = edge.cost(poses, scale);
-        let (from, to) = edge.jacobians(poses);
+fn linearise<'a>(
+    edges: &[Edge],
+    ends: &[Standing],
+    elimination: &'a Elimination,
+    scale: f64,
+    damping: f64,
+) -> System<'a> {
+    let mut system = System::new(elimination);
+    for (edge, end) in edges.iter().zip(ends) {
+        let (_, weight) = end.cost(scale);
+        let (from, to) = end.jacobians();
         system.add(
             edge.from,
             edge.to,
             (&from, &to),
             &edge.information,
             weight,
-            residual,
+            end.residual,
         );
     }
     system.damp(damping);
@@ -296,7 +353,7 @@ mod tests {
             information: Information::from_sigmas(1.0, 1.0, 1.0),
             is_loop: false,
         };
-        let (from, to) = edge.jacobians(&poses);
+        let (from, to) = edge.at(&poses).jacobians();
         for (end, jacobian) in [(0, from), (1, to)] {
             for axis in 0..3 {
                 let nudged = |h: f64| {
@@ -306,7 +363,7 @@ mod tests {
                         1 => moved[end].y += h,
                         _ => moved[end].theta_rad += h,
                     }
-                    edge.residual(&moved)
+                    edge.at(&moved).residual
                 };
                 let (up, down) = (nudged(1e-6), nudged(-1e-6));
                 for row in 0..3 {

@@ -1,33 +1,39 @@
 //! Sparse symmetric systems of 3 × 3 blocks, solved by elimination in order of least degree.
 //!
 //! A pose graph of a building is a long chain with some hundreds of cross links: eliminated from its loose ends
-//! inwards it hardly fills in. Block LDLᵀ, right-looking.
-
-use std::collections::{BTreeMap, BTreeSet};
+//! inwards it hardly fills in. Block LDLᵀ, right-looking. Of two blocks that are each other's transposed, the one in the row of the
+//! node that goes first is kept.
 
 use super::block::{
     Block, Column, ZERO, add_to, inverted, product, subtract_from, times, transposed, transposed_product,
     transposed_times,
 };
+use super::elimination::Elimination;
 use crate::align::Information;
 
 /// H · x = −g.
-pub(super) struct System {
-    /// By node: its neighbours' blocks, itself among them; symmetric, both halves stored.
-    rows: Vec<BTreeMap<usize, Block>>,
+pub(super) struct System<'a> {
+    elimination: &'a Elimination,
+    /// By node: its block with itself.
+    diagonal: Vec<Block>,
+    /// The others, as the elimination numbers them.
+    blocks: Vec<Block>,
     gradient: Vec<Column>,
 }
 
-impl System {
-    pub fn new(nodes: usize) -> Self {
-        let rows = (0..nodes).map(|k| BTreeMap::from([(k, ZERO)])).collect();
+impl<'a> System<'a> {
+    /// Without any edge.
+    pub fn new(elimination: &'a Elimination) -> Self {
+        let nodes = elimination.nodes().len();
         Self {
-            rows,
+            elimination,
+            diagonal: vec![ZERO; nodes],
+            blocks: vec![ZERO; elimination.block_count()],
             gradient: vec![[0.0; 3]; nodes],
         }
     }
 
-    /// Adds an edge: Jacobians by its two ends, information times weight, residual.
+    /// Adds an edge that the elimination knows: Jacobians by its two ends, information times weight, residual.
     pub fn add(
         &mut self,
         i: usize,
@@ -40,10 +46,16 @@ impl System {
         let (a, b) = jacobians;
         let omega = information.scaled(weight).rows;
         let (wa, wb) = (product(&omega, a), product(&omega, b));
-        add_to(self.block(i, i), &transposed_product(a, &wa));
-        add_to(self.block(i, j), &transposed_product(a, &wb));
-        add_to(self.block(j, i), &transposed_product(b, &wa));
-        add_to(self.block(j, j), &transposed_product(b, &wb));
+        add_to(&mut self.diagonal[i], &transposed_product(a, &wa));
+        add_to(&mut self.diagonal[j], &transposed_product(b, &wb));
+        let (first, second, block) = if self.elimination.is_before(i, j) {
+            (i, j, transposed_product(a, &wb))
+        } else {
+            (j, i, transposed_product(b, &wa))
+        };
+        if let Some(k) = self.elimination.block(first, second) {
+            add_to(&mut self.blocks[k], &block);
+        }
         let pull = times(&omega, residual);
         for (node, jacobian) in [(i, a), (j, b)] {
             for (g, p) in self.gradient[node]
@@ -57,68 +69,61 @@ impl System {
 
     /// Makes every diagonal entry larger by the share `damping`, and a whiff, so that a loose node stays put.
     pub fn damp(&mut self, damping: f64) {
-        for (k, row) in self.rows.iter_mut().enumerate() {
-            if let Some(block) = row.get_mut(&k) {
-                for (axis, line) in block.iter_mut().enumerate() {
-                    line[axis] += line[axis] * damping + 1e-9;
-                }
+        for block in &mut self.diagonal {
+            for (axis, line) in block.iter_mut().enumerate() {
+                line[axis] += line[axis] * damping + 1e-9;
             }
         }
     }
 
     /// Keeps a node where it is.
     pub fn hold(&mut self, node: usize) {
-        if let Some(block) = self.rows.get_mut(node).and_then(|row| row.get_mut(&node)) {
+        if let Some(block) = self.diagonal.get_mut(node) {
             for (axis, line) in block.iter_mut().enumerate() {
                 line[axis] += 1e12;
             }
         }
     }
 
-    fn block(&mut self, i: usize, j: usize) -> &mut Block {
-        self.rows[i].entry(j).or_insert(ZERO)
-    }
-
     /// The steps of all nodes; `None` when the system is singular.
     pub fn solve(mut self) -> Option<Vec<Column>> {
-        let n = self.rows.len();
-        let mut queue: BTreeSet<(usize, usize)> =
-            self.rows.iter().enumerate().map(|(k, r)| (r.len(), k)).collect();
-        let mut order = Vec::with_capacity(n);
+        let elimination = self.elimination;
         let mut right: Vec<Column> = self.gradient.iter().map(|g| g.map(|v| -v)).collect();
-        let mut inverses = vec![ZERO; n];
-        while let Some((_, node)) = queue.pop_first() {
-            let row = std::mem::take(&mut self.rows[node]);
-            let inverse = inverted(row.get(&node)?)?;
+        let mut inverses = vec![ZERO; right.len()];
+        let mut filled = elimination.filled().iter();
+        for &node in elimination.nodes() {
+            let inverse = inverted(&self.diagonal[node])?;
             inverses[node] = inverse;
-            let others: Vec<usize> = row.keys().copied().filter(|&k| k != node).collect();
-            for &a in &others {
-                let degree = self.rows[a].len();
-                let factor = product(&transposed(&row[&a]), &inverse);
+            let others = elimination.others(node);
+            let (gone, left) = self.blocks.split_at_mut(elimination.blocks(node).end);
+            let row = &gone[elimination.blocks(node)];
+            for (&a, block) in others.iter().zip(row) {
+                let factor = product(&transposed(block), &inverse);
                 let pull = times(&factor, right[node]);
-                for (r, p) in right[a].iter_mut().zip(pull) {
-                    *r -= p;
+                subtract(&mut right[a], pull);
+                subtract_from(&mut self.diagonal[a], &product(&factor, block));
+                let later = others.iter().zip(row).filter(|b| elimination.is_before(a, *b.0));
+                for ((_, with_b), &k) in later.zip(filled.by_ref()) {
+                    subtract_from(&mut left[k as usize - gone.len()], &product(&factor, with_b));
                 }
-                self.rows[a].remove(&node);
-                for &b in &others {
-                    let change = product(&factor, &row[&b]);
-                    subtract_from(self.rows[a].entry(b).or_insert(ZERO), &change);
-                }
-                queue.remove(&(degree, a));
-                queue.insert((self.rows[a].len(), a));
             }
-            order.push((node, row));
         }
-        let mut steps = vec![[0.0; 3]; n];
-        for (node, row) in order.iter().rev() {
-            let mut rest = right[*node];
-            for (other, block) in row.iter().filter(|(k, _)| *k != node) {
-                for (r, p) in rest.iter_mut().zip(times(block, steps[*other])) {
-                    *r -= p;
-                }
+        let mut steps = vec![[0.0; 3]; right.len()];
+        for &node in elimination.nodes().iter().rev() {
+            let mut rest = right[node];
+            let row = &self.blocks[elimination.blocks(node)];
+            for (&other, block) in elimination.others(node).iter().zip(row) {
+                subtract(&mut rest, times(block, steps[other]));
             }
-            steps[*node] = times(&inverses[*node], rest);
+            steps[node] = times(&inverses[node], rest);
         }
         steps.iter().flatten().all(|v| v.is_finite()).then_some(steps)
+    }
+}
+
+/// a −= b.
+fn subtract(a: &mut Column, b: Column) {
+    for (x, y) in a.iter_mut().zip(b) {
+        *x -= y;
     }
 }

@@ -1,7 +1,8 @@
 //! The map around: what the next scan is matched with (the paper's G(t−1), as far as it agrees with itself).
 //!
-//! In: the keyframes, and which of them are within reach along the pose graph. Out: their map, a function of the
-//! keyframes and their poses and of the order in which they came into reach: the same as if it were merged from nothing.
+//! In: the keyframes, and which of those within reach along the pose graph are needed ([`super::enough`]). Out: their
+//! map, a function of the keyframes and their poses and of the order in which they were taken in: the same as if it were
+//! merged from nothing.
 //!
 //! A keyframe that comes into reach is merged into what is there. All is merged anew when poses move, and when there is
 //! something in it that may have drifted. When something in the newest keyframes is found to have moved, these are merged
