@@ -8,6 +8,7 @@ use crate::align::{AlignSettings, Guess, SidePoint, align_to_grid};
 use crate::geometry::{Point, Pose, SideGrid, wrap_rad};
 use crate::keyframe::Keyframe;
 use crate::loops::graph::Edge;
+use crate::loops::ways::Way;
 use crate::place::judge::{Agreement, judge};
 use crate::place::search::{Field, Window, search};
 use crate::place::thinned;
@@ -55,21 +56,25 @@ impl Default for RecogniseSettings {
 const STRETCH_STEP_M: f64 = 0.5;
 const STRETCH_STEPS: f64 = 16.0;
 
-/// An edge from an old keyframe to the newest, if a place is recognised. `ways_m` are the ways along the graph from
-/// the newest keyframe ([`crate::loops::ways::ways_m`]).
+/// An edge from an old keyframe to the newest, if a place is recognised. `ways` are the ways along the graph from
+/// the newest keyframe ([`crate::loops::ways::ways`]).
 pub(crate) fn recognise(
     keyframes: &[Keyframe],
-    ways_m: &[Option<f64>],
+    ways: &[Option<Way>],
     local_m: f64,
     align: &AlignSettings,
     settings: &RecogniseSettings,
 ) -> Option<Recognised> {
     let newest = keyframes.len().checked_sub(1)?;
-    let travelled = |k: usize| ways_m[k].unwrap_or(f64::INFINITY);
-    let drift = |k: usize| Drift::after(travelled(k), settings);
+    let unknown = Way {
+        length_m: f64::INFINITY,
+        open_m2: 0.0,
+    };
+    let way = |k: usize| ways[k].unwrap_or(unknown);
+    let drift = |k: usize| Drift::after(way(k), settings);
     let seen_here = keyframes[newest].seen_around();
     let (old, _) = (0..newest)
-        .filter(|&k| travelled(k) > local_m)
+        .filter(|&k| way(k).length_m > local_m)
         .map(|k| (k, keyframes[k].seen_around().distance(seen_here)))
         .filter(|&(k, off_m)| off_m < drift(k).window_m + SAME_VIEW_M)
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -159,10 +164,11 @@ impl Drift {
         }
     }
 
-    fn after(way_m: f64, settings: &RecogniseSettings) -> Self {
-        let sigma_m = 0.15 + settings.drift_share * way_m.min(1e4);
+    fn after(way: Way, settings: &RecogniseSettings) -> Self {
+        let way_m = way.length_m.min(1e4);
+        let sigma_m = (0.15 + settings.drift_share * way_m).hypot(way.open_m2.sqrt());
         // A turn by one degree in 50 m.
-        let sigma_rad = 0.02 + 0.000_35 * way_m.min(1e4);
+        let sigma_rad = 0.02 + 0.000_35 * way_m;
         Self {
             sigma_m,
             sigma_rad,

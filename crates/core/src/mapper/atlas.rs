@@ -20,7 +20,7 @@ use crate::align::{Alignment, Information};
 use crate::geometry::{Pose, wrap_rad};
 use crate::keyframe::{Keyframe, Seen, middle_of};
 use crate::loops::graph::{Edge, contradicted, optimise};
-use crate::loops::ways::ways_m;
+use crate::loops::ways::{ways, ways_m};
 use crate::loops::{Recognised, recognise, ties};
 use crate::map::Map;
 use crate::merge::eraser::{boxes, disordered_runs};
@@ -360,7 +360,7 @@ impl Atlas {
 
     fn known_place(&self, settings: &Settings) -> Option<Recognised> {
         let newest = self.keyframes.len() - 1;
-        let ways = ways_m(self.keyframes.len(), &self.edges, newest, f64::INFINITY);
+        let ways = ways(self.keyframes.len(), &self.edges, newest, f64::INFINITY);
         let found = recognise(
             &self.keyframes,
             &ways,

@@ -101,7 +101,8 @@ impl Motion {
             };
             self.driving.take(seen.step.translation().norm());
             if walls.is_some_and(|w| w.weakest_direction().1 > WELL_TOLD_M.powi(-2)) {
-                self.change.take(seen.step.translation() - self.speed.step.translation());
+                self.change
+                    .take(seen.step.translation() - self.speed.step.translation());
             }
             self.speed.see(&seen, &self.change.covariance(self.usual));
             if self.steps.len() == MEMORY {

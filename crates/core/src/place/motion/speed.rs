@@ -71,11 +71,7 @@ impl Speed {
     fn predict(&mut self, change: &Matrix) {
         self.of_step = plus(&self.of_step, change);
         // An error of the heading moves the end of the step aside.
-        let swing = [
-            [1.0, 0.0, -self.step.y],
-            [0.0, 1.0, self.step.x],
-            [0.0, 0.0, 1.0],
-        ];
+        let swing = [[1.0, 0.0, -self.step.y], [0.0, 1.0, self.step.x], [0.0, 0.0, 1.0]];
         let both = times(&swing, &self.of_both);
         let pose = times(&times(&swing, &self.of_pose), &transposed(&swing));
         self.of_pose = plus(&plus(&pose, &self.of_step), &plus(&both, &transposed(&both)));
@@ -100,8 +96,14 @@ impl Speed {
             self.step.y + by[1],
             wrap_rad(self.step.theta_rad + by[2]),
         );
-        let of_pose = minus(&self.of_pose, &times(&times(&self.of_pose, &told.rows), &self.of_pose));
-        let of_both = minus(&self.of_both, &times(&times(&self.of_pose, &told.rows), &self.of_both));
+        let of_pose = minus(
+            &self.of_pose,
+            &times(&times(&self.of_pose, &told.rows), &self.of_pose),
+        );
+        let of_both = minus(
+            &self.of_both,
+            &times(&times(&self.of_pose, &told.rows), &self.of_both),
+        );
         let of_step = minus(&self.of_step, &times(&gain, &self.of_both));
         (self.of_pose, self.of_both, self.of_step) = (symmetric(&of_pose), of_both, symmetric(&of_step));
     }
