@@ -162,7 +162,10 @@ fn stands(found: &Found, keyframes: &[Keyframe], settings: &EraserSettings) -> b
 fn sees(keyframe: &Keyframe, area: &EraserBox) -> bool {
     let points = keyframe.points.iter().map(|p| &p.point);
     let places = keyframe.map_from_scan.transform(points);
-    places.filter(|&p| area.contains(p)).nth(SEEN_RETURNS - 1).is_some()
+    places
+        .filter(|&p| area.contains(p))
+        .nth(SEEN_RETURNS - 1)
+        .is_some()
 }
 
 #[cfg(test)]
