@@ -3,7 +3,11 @@
 //! In: which nodes are tied to each other. Out: the order, of least degree, and the blocks that elimination needs, each with
 //! a place of its own. It depends on no number, so that the many systems of one optimisation share it.
 
-use std::collections::BTreeSet;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Degree of a node that was eliminated.
+const GONE: usize = usize::MAX;
 
 /// See the module.
 pub(super) struct Elimination {
@@ -28,7 +32,9 @@ impl Elimination {
             insert(&mut tied[i], j, i);
             insert(&mut tied[j], i, j);
         }
-        let mut queue: BTreeSet<(usize, usize)> = tied.iter().map(Vec::len).zip(0..).collect();
+        // A node is queued anew when it is tied to more or fewer; what was queued before is passed over.
+        let mut degree: Vec<usize> = tied.iter().map(Vec::len).collect();
+        let mut queue: BinaryHeap<_> = degree.iter().copied().zip(0..count).map(Reverse).collect();
         let mut elimination = Self {
             nodes: Vec::with_capacity(count),
             place: vec![0; count],
@@ -36,15 +42,21 @@ impl Elimination {
             others: Vec::new(),
             filled: Vec::new(),
         };
-        while let Some((_, node)) = queue.pop_first() {
+        while let Some(Reverse((queued, node))) = queue.pop() {
+            if queued != degree[node] {
+                continue;
+            }
+            degree[node] = GONE;
             let others = std::mem::take(&mut tied[node]);
             for &a in &others {
-                queue.remove(&(tied[a].len(), a));
                 tied[a].retain(|&k| k != node);
                 for &b in &others {
                     insert(&mut tied[a], b, a);
                 }
-                queue.insert((tied[a].len(), a));
+                if degree[a] != tied[a].len() {
+                    degree[a] = tied[a].len();
+                    queue.push(Reverse((degree[a], a)));
+                }
             }
             elimination.place[node] = elimination.nodes.len();
             elimination.nodes.push(node);
