@@ -4,7 +4,7 @@
 //! Nodes are keyframe poses xᵢ, edges measured motions zᵢⱼ with information Ωᵢⱼ. The residual of an edge is
 //! e = (Rᵢᵀ(tⱼ − tᵢ) − z_t, θⱼ − θᵢ − z_θ), in the frame of node i. Σ ρ(eᵀΩe) is minimised by Gauss–Newton steps with
 //! Levenberg's damping; ρ is Cauchy's log(1 + ·) on loop edges, so that a false one loses its pull, and the square on
-//! the others. The scale of ρ shrinks from wide to 1 (graduated non-convexity). The normal equations are solved by block
+//! the others. The scale of ρ shrinks from wide to 1 (graduated non-convexity); only the last is settled exactly. The normal equations are solved by block
 //! elimination in order of least degree ([`elimination`], [`sparse`]).
 
 pub(crate) mod block;
