@@ -1,4 +1,5 @@
-//! Which keyframes the map around is made of when more are within reach than it needs.
+//! Which keyframes the map around is made of when more are within reach than it needs; an earlier visit, too, to which a new
+//! one is tied after a closure.
 //!
 //! In: keyframes within reach, how far they are along the pose graph, and which of them are in the map already. Out: those
 //! that are to be merged. On a first visit there are 40 to 150 within reach; where a scanner comes by again and again, a
