@@ -3,7 +3,7 @@
 //! In: pairs of keyframes. Out: the share of the motion from scan to scan that one turn of the beam takes. It is 1 for a
 //! scanner that goes round once a scan counter-clockwise, −1 clockwise, and near 0 for one that turns much faster than scans
 //! are logged. No log need say so: of two scans taken at different speeds or from different sides, the walls lie on each other
-//! only if both are made straight with the right share ([`evidence`]).
+//! only if both are made straight with the right share ([`evidence()`]).
 //!
 //! Untold, a scanner in the hand at 10 Hz makes a room turn: what is passed on the left seems to go by faster than what is
 //! passed on the right, because it is measured later. (URG on a robot at 1 m/s, 47 m: 20° off at the end.)

@@ -104,7 +104,13 @@ impl Motion {
                 self.change
                     .take(seen.step.translation() - self.speed.step.translation());
             }
-            self.speed.see(&seen, &self.change.covariance(self.usual));
+            // In a log of keyframes there is no speed to go on with.
+            let change = if self.is_smooth() {
+                self.change.covariance(self.usual)
+            } else {
+                ChangeOfSpeed::default().covariance(self.usual)
+            };
+            self.speed.see(&seen, &change);
             if self.steps.len() == MEMORY {
                 self.steps.pop_front();
             }
