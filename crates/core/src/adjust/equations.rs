@@ -6,12 +6,12 @@
 
 use super::AdjustSettings;
 use super::walls::{View, Walls};
+use crate::geometry::matrix::{
+    Column, Matrix, ZERO, add_to, product, times, transposed_product, transposed_times,
+};
 use crate::geometry::{Point, Pose};
 use crate::keyframe::Keyframe;
 use crate::loops::graph::Edge;
-use crate::loops::graph::block::{
-    Block, Column, ZERO, add_to, product, times, transposed_product, transposed_times,
-};
 
 /// A line without ends, free space on its left.
 #[derive(Clone, Copy)]
@@ -37,15 +37,15 @@ pub(super) struct Sight {
 pub(super) struct Tie {
     pub from: usize,
     pub to: usize,
-    pub from_from: Block,
-    pub from_to: Block,
-    pub to_to: Block,
+    pub from_from: Matrix,
+    pub from_to: Matrix,
+    pub to_to: Matrix,
 }
 
 /// H · (poses, lines) = −g.
 pub(super) struct Equations {
     /// Blocks of the poses and their gradients: of the returns and the edges.
-    pub poses: Vec<Block>,
+    pub poses: Vec<Matrix>,
     pub pose_gradients: Vec<Column>,
     /// Blocks of the lines, inverted, and their gradients.
     pub lines_inverted: Vec<Pair>,

@@ -4,7 +4,7 @@
 //! by it costs no more than there are views. With the inverse of its diagonal blocks before it, a building takes 60 to 200 rounds.
 
 use super::equations::{Equations, pair_times};
-use crate::loops::graph::block::{Block, Column, inverted, times};
+use crate::geometry::matrix::{Column, Matrix, inverted, times};
 
 /// Rounds at the most.
 const MOST_ROUNDS: usize = 1000;
@@ -87,7 +87,7 @@ fn reduced_times(equations: &Equations, v: &[Column]) -> Vec<Column> {
 }
 
 /// Inverses of the diagonal blocks.
-fn preconditioner(equations: &Equations) -> Option<Vec<Block>> {
+fn preconditioner(equations: &Equations) -> Option<Vec<Matrix>> {
     let mut blocks = equations.poses.clone();
     for sight in &equations.sights {
         let block = &mut blocks[sight.keyframe];

@@ -1,6 +1,7 @@
 //! Symmetric 3×3 matrices over (x, y, θ): information and covariance of a pose.
 
 use crate::geometry::Point;
+use crate::geometry::matrix::make_symmetric;
 
 /// Information (inverse covariance) of a pose: x and y in metres, θ in radians, all in the frame and about the
 /// origin that the holder says.
@@ -85,13 +86,7 @@ impl Information {
                 rows[r][c] -= times[r];
             }
         }
-        for r in 0..3 {
-            for c in 0..r {
-                let mean = 0.5 * (rows[r][c] + rows[c][r]);
-                rows[r][c] = mean;
-                rows[c][r] = mean;
-            }
-        }
+        make_symmetric(&mut rows);
         Self { rows }
     }
 
@@ -105,13 +100,7 @@ impl Information {
         for (r, row) in rows.iter_mut().enumerate() {
             *row = self.times(sum.solve(self.rows[r])?);
         }
-        for r in 0..3 {
-            for c in 0..r {
-                let mean = 0.5 * (rows[r][c] + rows[c][r]);
-                rows[r][c] = mean;
-                rows[c][r] = mean;
-            }
-        }
+        make_symmetric(&mut rows);
         Some((Self { rows }, self.times(sum.solve(gradient)?)))
     }
 

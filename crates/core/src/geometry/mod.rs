@@ -7,6 +7,7 @@
 mod angle;
 mod cell_lists;
 mod cells;
+pub(crate) mod matrix;
 mod point;
 mod polyline;
 mod pose;

@@ -7,13 +7,12 @@
 //! the others. The scale of ρ shrinks from wide to 1 (graduated non-convexity); only the last is settled exactly. The normal equations are solved by block
 //! elimination in order of least degree ([`elimination`], [`sparse`]).
 
-pub(crate) mod block;
 mod elimination;
 mod sparse;
 
 use crate::align::Information;
+use crate::geometry::matrix::Matrix;
 use crate::geometry::{Point, Pose, wrap_rad};
-use block::Block;
 use elimination::Elimination;
 use sparse::System;
 
@@ -86,7 +85,7 @@ impl Standing {
     }
 
     /// Derivatives of the residual by (x, y, θ) of either end.
-    pub fn jacobians(&self) -> (Block, Block) {
+    pub fn jacobians(&self) -> (Matrix, Matrix) {
         let (sin, cos, shift) = (self.sin, self.cos, self.shift);
         let from = [[-cos, -sin, shift.y], [sin, -cos, -shift.x], [0.0, 0.0, -1.0]];
         let to = [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]];

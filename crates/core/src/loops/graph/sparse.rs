@@ -4,20 +4,20 @@
 //! inwards it hardly fills in. Block LDLᵀ, right-looking. Of two blocks that are each other's transposed, the one in the row of the
 //! node that goes first is kept.
 
-use super::block::{
-    Block, Column, ZERO, add_to, inverted, product, subtract_from, times, transposed, transposed_product,
-    transposed_times,
-};
 use super::elimination::Elimination;
 use crate::align::Information;
+use crate::geometry::matrix::{
+    Column, Matrix, ZERO, add_to, inverted, product, subtract_from, times, transposed, transposed_product,
+    transposed_times,
+};
 
 /// H · x = −g.
 pub(super) struct System<'a> {
     elimination: &'a Elimination,
     /// By node: its block with itself.
-    diagonal: Vec<Block>,
+    diagonal: Vec<Matrix>,
     /// The others, as the elimination numbers them.
-    blocks: Vec<Block>,
+    blocks: Vec<Matrix>,
     gradient: Vec<Column>,
 }
 
@@ -38,7 +38,7 @@ impl<'a> System<'a> {
         &mut self,
         i: usize,
         j: usize,
-        jacobians: (&Block, &Block),
+        jacobians: (&Matrix, &Matrix),
         information: &Information,
         weight: f64,
         residual: Column,

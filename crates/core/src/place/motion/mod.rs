@@ -37,7 +37,9 @@ const ANYTHING_RAD: f64 = 0.3;
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
     pub map_from_scan: Pose,
+    /// From scan to scan, as far as the walls told it.
     speed: Speed,
+    /// How much that changes, and how fast the scanner goes when it goes.
     change: ChangeOfSpeed,
     driving: Driving,
     /// By odometry, from the last placed scan to now, in the frame of the former.
@@ -108,20 +110,20 @@ impl Motion {
             let change = if self.is_smooth() {
                 self.change.covariance(self.usual)
             } else {
-                ChangeOfSpeed::default().covariance(self.usual)
+                self.usual.covariance()
             };
             self.speed.see(&seen, &change);
             if self.steps.len() == MEMORY {
                 self.steps.pop_front();
             }
-            self.steps.push_back(self.map_from_scan.inverse() * pose);
+            self.steps.push_back(seen.step);
         }
         self.map_from_scan = pose;
         self.driven = None;
         self.lost_scans = 0;
     }
 
-    /// The speed: the motion from one scan to the next, in the frame of the former.
+    /// The speed: the motion from one scan to the next that is expected, in the frame of the former, metres and radians.
     pub fn step(&self) -> Pose {
         self.speed.step
     }

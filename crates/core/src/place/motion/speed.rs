@@ -6,9 +6,10 @@
 //! scanner that moved on by 5 cm a scan stand still in its own eyes (a simulated corridor, for 150 scans).
 
 use crate::align::Information;
+use crate::geometry::matrix::{
+    Matrix, ZERO, add_to, make_symmetric, product, subtract_from, times, transposed,
+};
 use crate::geometry::{Pose, wrap_rad};
-
-type Matrix = [[f64; 3]; 3];
 
 /// What an alignment says in two scans in a row errs alike (the same walls, the same map): so much of its information
 /// counts for the speed.
@@ -44,8 +45,8 @@ impl Default for Speed {
     fn default() -> Self {
         Self {
             step: Pose::IDENTITY,
-            of_pose: [[0.0; 3]; 3],
-            of_both: [[0.0; 3]; 3],
+            of_pose: ZERO,
+            of_both: ZERO,
             of_step: diagonal(UNKNOWN_M, UNKNOWN_RAD),
         }
     }
@@ -63,79 +64,64 @@ impl Speed {
         self.correct(off, seen.walls.as_ref());
         let (sin, cos) = seen.step.theta_rad.sin_cos();
         let turn = [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]];
-        self.of_pose = times(&times(&turn, &self.of_pose), &transposed(&turn));
-        self.of_both = times(&turn, &self.of_both);
+        self.of_pose = moved(&turn, &self.of_pose);
+        self.of_both = product(&turn, &self.of_both);
     }
 
     /// The covariances of the next pose, by the axes of the last.
     fn predict(&mut self, change: &Matrix) {
-        self.of_step = plus(&self.of_step, change);
+        add_to(&mut self.of_step, change);
         // An error of the heading moves the end of the step aside.
         let swing = [[1.0, 0.0, -self.step.y], [0.0, 1.0, self.step.x], [0.0, 0.0, 1.0]];
-        let both = times(&swing, &self.of_both);
-        let pose = times(&times(&swing, &self.of_pose), &transposed(&swing));
-        self.of_pose = plus(&plus(&pose, &self.of_step), &plus(&both, &transposed(&both)));
-        self.of_both = plus(&both, &self.of_step);
+        let both = product(&swing, &self.of_both);
+        self.of_pose = moved(&swing, &self.of_pose);
+        let mut crossed = both;
+        add_to(&mut crossed, &transposed(&both));
+        add_to(&mut self.of_pose, &self.of_step);
+        add_to(&mut self.of_pose, &crossed);
+        self.of_both = both;
+        add_to(&mut self.of_both, &self.of_step);
     }
 
     /// The pose was seen to be off the expected one by `off`.
     fn correct(&mut self, off: [f64; 3], walls: Option<&Information>) {
-        let spread = plus(&self.of_pose, &diagonal(POSE_SIGMA_M, POSE_SIGMA_RAD));
-        let Some(spread) = (Information { rows: spread }).covariance() else {
+        let mut spread = Information { rows: self.of_pose };
+        add_to(&mut spread.rows, &diagonal(POSE_SIGMA_M, POSE_SIGMA_RAD));
+        let Some(rows) = spread.covariance() else {
             return;
         };
-        let spread = Information { rows: spread };
+        let expected = Information { rows };
         let told = match walls {
-            Some(walls) => walls.scaled(WALLS_INDEPENDENCE).doubted(&spread),
-            None => spread,
+            Some(walls) => walls.scaled(WALLS_INDEPENDENCE).doubted(&expected),
+            None => expected,
         };
-        let gain = times(&transposed(&self.of_both), &told.rows);
-        let by = gain.map(|row| (0..3).map(|k| row[k] * off[k]).sum::<f64>());
+        let gain = product(&transposed(&self.of_both), &told.rows);
+        let by = times(&gain, off);
         self.step = Pose::new(
             self.step.x + by[0],
             self.step.y + by[1],
             wrap_rad(self.step.theta_rad + by[2]),
         );
-        let of_pose = minus(
-            &self.of_pose,
-            &times(&times(&self.of_pose, &told.rows), &self.of_pose),
-        );
-        let of_both = minus(
-            &self.of_both,
-            &times(&times(&self.of_pose, &told.rows), &self.of_both),
-        );
-        let of_step = minus(&self.of_step, &times(&gain, &self.of_both));
-        (self.of_pose, self.of_both, self.of_step) = (symmetric(&of_pose), of_both, symmetric(&of_step));
+        let of_pose = product(&self.of_pose, &told.rows);
+        subtract_from(&mut self.of_step, &product(&gain, &self.of_both));
+        let (from_both, from_pose) = (product(&of_pose, &self.of_both), product(&of_pose, &self.of_pose));
+        subtract_from(&mut self.of_both, &from_both);
+        subtract_from(&mut self.of_pose, &from_pose);
+        for covariance in [&mut self.of_pose, &mut self.of_step] {
+            make_symmetric(covariance);
+        }
     }
 }
 
-fn diagonal(sigma_m: f64, sigma_rad: f64) -> Matrix {
+/// The covariance a · c · aᵀ of what a makes of something of covariance c.
+fn moved(a: &Matrix, c: &Matrix) -> Matrix {
+    product(&product(a, c), &transposed(a))
+}
+
+/// The covariance of x, y and heading with these standard deviations.
+pub(super) fn diagonal(sigma_m: f64, sigma_rad: f64) -> Matrix {
     let (m2, rad2) = (sigma_m * sigma_m, sigma_rad * sigma_rad);
     [[m2, 0.0, 0.0], [0.0, m2, 0.0], [0.0, 0.0, rad2]]
-}
-
-fn each(f: impl Fn(usize, usize) -> f64) -> Matrix {
-    [0, 1, 2].map(|r| [0, 1, 2].map(|c| f(r, c)))
-}
-
-fn plus(a: &Matrix, b: &Matrix) -> Matrix {
-    each(|r, c| a[r][c] + b[r][c])
-}
-
-fn minus(a: &Matrix, b: &Matrix) -> Matrix {
-    each(|r, c| a[r][c] - b[r][c])
-}
-
-fn times(a: &Matrix, b: &Matrix) -> Matrix {
-    each(|r, c| (0..3).map(|k| a[r][k] * b[k][c]).sum())
-}
-
-fn transposed(a: &Matrix) -> Matrix {
-    each(|r, c| a[c][r])
-}
-
-fn symmetric(a: &Matrix) -> Matrix {
-    each(|r, c| 0.5 * (a[r][c] + a[c][r]))
 }
 
 #[cfg(test)]

@@ -1,14 +1,14 @@
-//! 3 × 3 blocks: the pieces that systems of planar poses are made of.
+//! 3 × 3 matrices: the pieces that systems of planar poses (x, y, heading) are made of.
 
 /// A 3 × 3 matrix, row by row.
-pub(crate) type Block = [[f64; 3]; 3];
+pub(crate) type Matrix = [[f64; 3]; 3];
 /// A column of three.
 pub(crate) type Column = [f64; 3];
 
-pub(crate) const ZERO: Block = [[0.0; 3]; 3];
+pub(crate) const ZERO: Matrix = [[0.0; 3]; 3];
 
 /// a · b.
-pub(crate) fn product(a: &Block, b: &Block) -> Block {
+pub(crate) fn product(a: &Matrix, b: &Matrix) -> Matrix {
     let mut out = ZERO;
     for (row, line) in out.iter_mut().zip(a) {
         for (c, cell) in row.iter_mut().enumerate() {
@@ -19,7 +19,7 @@ pub(crate) fn product(a: &Block, b: &Block) -> Block {
 }
 
 /// aᵀ.
-pub(crate) fn transposed(a: &Block) -> Block {
+pub(crate) fn transposed(a: &Matrix) -> Matrix {
     [
         [a[0][0], a[1][0], a[2][0]],
         [a[0][1], a[1][1], a[2][1]],
@@ -28,36 +28,47 @@ pub(crate) fn transposed(a: &Block) -> Block {
 }
 
 /// aᵀ · b.
-pub(crate) fn transposed_product(a: &Block, b: &Block) -> Block {
+pub(crate) fn transposed_product(a: &Matrix, b: &Matrix) -> Matrix {
     product(&transposed(a), b)
 }
 
 /// a · v.
-pub(crate) fn times(a: &Block, v: Column) -> Column {
+pub(crate) fn times(a: &Matrix, v: Column) -> Column {
     a.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
 /// aᵀ · v.
-pub(crate) fn transposed_times(a: &Block, v: Column) -> Column {
+pub(crate) fn transposed_times(a: &Matrix, v: Column) -> Column {
     times(&transposed(a), v)
 }
 
 /// a += b.
-pub(crate) fn add_to(a: &mut Block, b: &Block) {
+pub(crate) fn add_to(a: &mut Matrix, b: &Matrix) {
     for (x, y) in a.iter_mut().flatten().zip(b.iter().flatten()) {
         *x += y;
     }
 }
 
 /// a −= b.
-pub(crate) fn subtract_from(a: &mut Block, b: &Block) {
+pub(crate) fn subtract_from(a: &mut Matrix, b: &Matrix) {
     for (x, y) in a.iter_mut().flatten().zip(b.iter().flatten()) {
         *x -= y;
     }
 }
 
+/// Replaces a by ½ (a + aᵀ): what rounding has put on one side of the diagonal only is taken out.
+pub(crate) fn make_symmetric(a: &mut Matrix) {
+    for r in 0..3 {
+        for c in 0..r {
+            let mean = 0.5 * (a[r][c] + a[c][r]);
+            a[r][c] = mean;
+            a[c][r] = mean;
+        }
+    }
+}
+
 /// a⁻¹; `None` when it is singular.
-pub(crate) fn inverted(a: &Block) -> Option<Block> {
+pub(crate) fn inverted(a: &Matrix) -> Option<Matrix> {
     let cofactor = |r: usize, c: usize| {
         let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
         a[r1][c1] * a[r2][c2] - a[r1][c2] * a[r2][c1]
