@@ -2,10 +2,11 @@
 //!
 //! In: keyframes and eraser boxes. Out: the map. All keyframes are merged in order; what their beams looked through is
 //! taken out, with the evidence of the whole log instead of the past alone; polylines that lie on others are merged
-//! into them; all are laid on the returns (`refit`); each is divided into sides anew and its sides fitted.
+//! into them; all are laid on the returns (`refit`) and traced anew where no return lies on them (`retrace`); each is divided into sides anew and its sides fitted.
 
 use super::growing_map::{GrowingMap, GrowingPolyline, SIDE_PENALTY, Vertex};
 use super::refit::refit;
+use super::retrace::retrace;
 use super::{MergeSettings, merge_all, sight};
 use crate::extract::simplify_chain;
 use crate::geometry::Point;
@@ -20,9 +21,10 @@ pub(crate) fn finish(keyframes: &[Keyframe], eraser_boxes: Vec<EraserBox>, setti
     for (k, keyframe) in (0..).zip(keyframes) {
         sight::look(&mut map, &keyframe.scan, keyframe.map_from_scan, k, settings);
     }
-    sight::clear_all(&mut map, settings);
+    sight::clear_all(&mut map, keyframes, settings);
     cut_gaps(&mut map);
-    refit(&mut map, keyframes, settings);
+    let covered = refit(&mut map, keyframes, settings);
+    retrace(&mut map, &covered, keyframes, settings);
     let mut out = Map {
         polylines: Vec::new(),
         eraser_boxes,

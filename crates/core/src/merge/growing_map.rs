@@ -26,6 +26,10 @@ pub(crate) struct Evidence {
     /// Scans with a beam that should have met it and gave no return, and the last one.
     pub missed: u32,
     last_missed: u32,
+    /// Scans with a return on it, whether or not they made a polyline of it, and the last one. Counted in the end only, where
+    /// it is asked for.
+    pub met: u32,
+    last_met: u32,
 }
 
 impl Evidence {
@@ -38,6 +42,8 @@ impl Evidence {
             last_seen_through: u32::MAX,
             missed: 0,
             last_missed: u32::MAX,
+            met: 0,
+            last_met: u32::MAX,
         }
     }
 }
@@ -188,6 +194,11 @@ impl GrowingMap {
     /// Counts a scan that should have seen side `side` of a polyline and had no return, once a scan.
     pub fn miss(&mut self, slot: u32, side: u32, scan: u32) {
         self.count(slot, side, scan, |e| (&mut e.last_missed, &mut e.missed));
+    }
+
+    /// Counts a scan with a return on side `side` of a polyline, once a scan.
+    pub fn meet(&mut self, slot: u32, side: u32, scan: u32) {
+        self.count(slot, side, scan, |e| (&mut e.last_met, &mut e.met));
     }
 
     fn count(

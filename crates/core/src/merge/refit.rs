@@ -8,106 +8,65 @@
 
 use super::MergeSettings;
 use super::growing_map::{GrowingMap, Vertex};
+use super::on_sides::{OnSides, Piece};
 use super::overlap::merge_overlaps;
-use crate::geometry::{Near, Point, Side};
+use crate::geometry::{Point, Side};
 use crate::keyframe::Keyframe;
 
 /// Distance within which a return belongs to a side, metres: at first as for merging, then what is surely the same.
 const GATES_M: [f64; 2] = [0.15, 0.08];
-/// A return may differ from its side by 37° in direction.
-const MIN_COS: f64 = 0.8;
-/// Fewer returns do not move a point.
-const LEAST_RETURNS: usize = 3;
+
+/// A polyline after it was laid on the returns: which of its vertices returns cover.
+pub(crate) struct Covered {
+    pub slot: u32,
+    pub vertices: Vec<bool>,
+}
 
 /// Merges polylines that lie on others, lays all on the returns, and makes their skeletons anew; twice, because walls that
-/// stood ten centimetres apart come to lie on the same returns.
-pub(crate) fn refit(map: &mut GrowingMap, keyframes: &[Keyframe], settings: &MergeSettings) {
+/// stood ten centimetres apart come to lie on the same returns. Returns what the returns cover, slots ascending.
+pub(crate) fn refit(map: &mut GrowingMap, keyframes: &[Keyframe], settings: &MergeSettings) -> Vec<Covered> {
+    let mut covered = Vec::new();
     for gate_m in GATES_M {
         merge_overlaps(map, settings);
-        let offsets = Offsets::of(map, keyframes, gate_m, settings.spacing_m);
+        let on_sides = OnSides::of(map, keyframes, gate_m, settings.spacing_m);
         let slots: Vec<u32> = map.polylines().map(|(slot, _)| slot).collect();
+        covered.clear();
         for slot in slots {
-            let points = moved(map, slot, &offsets);
+            let (points, vertices) = moved(map, slot, &on_sides);
             let Some(polyline) = map.polyline(slot) else {
                 continue;
             };
-            let vertices = resting_as(&polyline.vertices, &points);
-            map.replace(slot, vertices);
+            map.replace(slot, resting_as(&polyline.vertices, &points));
+            covered.push(Covered { slot, vertices });
         }
         map.refresh_skeletons(settings.skeleton_sigma_m);
     }
+    covered
 }
 
-/// How far off their side the returns lie, by pieces of the skeleton's sides.
-struct Offsets {
-    /// Number of the first piece of every side, and of the one after the last.
-    first: Vec<usize>,
-    /// The middle offset of the returns on each piece along the side's normal, metres.
-    middle_m: Vec<f64>,
-}
-
-impl Offsets {
-    fn of(map: &GrowingMap, keyframes: &[Keyframe], gate_m: f64, spacing_m: f64) -> Self {
-        let mut first = vec![0];
-        for side in map.skeleton.numbered() {
-            let pieces = (side.length_m / spacing_m).round().max(1.0) as usize;
-            first.push(first[first.len() - 1] + pieces);
-        }
-        let mut returns: Vec<Vec<f64>> = vec![Vec::new(); first[first.len() - 1]];
-        let mut reader = map.skeleton.reader();
-        for keyframe in keyframes {
-            for p in keyframe.standing_points() {
-                let place = keyframe.map_from_scan * p.point;
-                let near = Near {
-                    direction: keyframe.map_from_scan.rotate(p.direction),
-                    min_cos: MIN_COS,
-                    max_distance_m: gate_m,
-                    beyond_ends: false,
-                };
-                let Some(foot) = reader.nearest(place, &near, |_| true) else {
-                    continue;
-                };
-                let side = map.skeleton.side(foot.side);
-                let number = foot.side as usize;
-                let pieces = first[number + 1] - first[number];
-                let piece = ((foot.share * pieces as f64) as usize).min(pieces - 1);
-                returns[first[number] + piece].push(side.normal().dot(place - side.segment.a));
-            }
-        }
-        Self {
-            first,
-            middle_m: returns.into_iter().map(middle_of).collect(),
-        }
-    }
-
-    /// Those on the pieces of a side, in order.
-    fn on_side(&self, number: u32) -> &[f64] {
-        &self.middle_m[self.first[number as usize]..self.first[number as usize + 1]]
-    }
-}
-
-/// The middles of the pieces of a polyline's skeleton where the returns put them, and its ends.
-fn moved(map: &GrowingMap, slot: u32, offsets: &Offsets) -> Vec<Point> {
-    let mut points = Vec::new();
-    let mut end: Option<Point> = None;
+/// The middles of the pieces of a polyline's skeleton where the returns put them, and its ends; which of them are covered.
+fn moved(map: &GrowingMap, slot: u32, on_sides: &OnSides) -> (Vec<Point>, Vec<bool>) {
+    let mut moved: Vec<(Point, bool)> = Vec::new();
+    let mut end = None;
     for &number in map.skeleton.numbers_of(slot) {
         let side: &Side = map.skeleton.side(number);
-        let on_side = offsets.on_side(number);
-        let at = |share: f64, off_m: f64| side.segment.at(share) + side.normal() * off_m;
-        if points.is_empty() {
-            points.extend(on_side.first().map(|&off_m| at(0.0, off_m)));
+        let pieces = on_sides.on_side(number);
+        let at = |share: f64, piece: &Piece| {
+            let place = side.segment.at(share) + side.normal() * piece.off_m;
+            (place, piece.is_covered)
+        };
+        if moved.is_empty() {
+            moved.extend(pieces.first().map(|piece| at(0.0, piece)));
         }
-        let step = 1.0 / on_side.len() as f64;
-        points.extend(
-            on_side
-                .iter()
-                .enumerate()
-                .map(|(k, &off_m)| at((k as f64 + 0.5) * step, off_m)),
+        let step = 1.0 / pieces.len() as f64;
+        moved.extend(
+            (0..)
+                .zip(pieces)
+                .map(|(k, piece)| at((f64::from(k) + 0.5) * step, piece)),
         );
-        end = on_side.last().map(|&off_m| at(1.0, off_m));
+        end = pieces.last().map(|piece| at(1.0, piece));
     }
-    points.extend(end);
-    points
+    moved.into_iter().chain(end).unzip()
 }
 
 /// The points as vertices that rest on what the nearest of the old ones rested on; both go along the polyline.
@@ -123,15 +82,6 @@ fn resting_as(old: &[Vertex], points: &[Point]) -> Vec<Vertex> {
             Vertex { point, ..old[from] }
         })
         .collect()
-}
-
-/// The median; 0 for a few.
-fn middle_of(mut offsets_m: Vec<f64>) -> f64 {
-    if offsets_m.len() < LEAST_RETURNS {
-        return 0.0;
-    }
-    let half = offsets_m.len() / 2;
-    *offsets_m.select_nth_unstable_by(half, f64::total_cmp).1
 }
 
 #[cfg(test)]

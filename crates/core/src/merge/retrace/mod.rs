@@ -1,0 +1,173 @@
+//! Where the map runs over what no return lies on, it is traced anew.
+//!
+//! In: the map laid on the returns, which vertices returns cover, the keyframes. Out: polylines without what nobody saw. A
+//! scan that sees the front of a cupboard and the wall behind it with two beams next to each other draws a straight between
+//! them, and no return ever lies on that. The walls on either side of such a gap are drawn on as far as their returns go
+//! and joined where they meet, or by the face between their ends when that has returns; else the gap stays open. (Simulated
+//! clutter, F at 2 cm: low-cost scanner 0.928 without, 0.937 with; SICK 0.924, 0.932. Real logs: 2 to 5 % of the map's
+//! length rested on nothing.)
+
+mod returns;
+mod tip;
+
+use returns::Returns;
+use tip::Tip;
+
+use super::MergeSettings;
+use super::growing_map::{GrowingMap, Vertex};
+use super::on_sides::MIN_COS;
+use super::refit::Covered;
+use crate::geometry::{Near, Point};
+use crate::keyframe::Keyframe;
+
+/// Shorter gaps are left, metres: two pieces without returns.
+const LEAST_GAP_M: f64 = 0.1;
+/// Longer faces are not put in between two walls, metres.
+const LONGEST_FACE_M: f64 = 1.5;
+/// Walls are drawn on by the gap and this, metres.
+const MOST_BEYOND_M: f64 = 0.3;
+/// And not where another polyline is as near as this, metres.
+const TAKEN_M: f64 = 0.1;
+
+/// Traces every polyline anew where returns do not cover it.
+pub(crate) fn retrace(
+    map: &mut GrowingMap,
+    covered: &[Covered],
+    keyframes: &[Keyframe],
+    settings: &MergeSettings,
+) {
+    let lines: Vec<Line> = covered.iter().filter_map(|c| Line::of(map, c)).collect();
+    let places = lines.iter().flat_map(Line::gap_points);
+    let returns = Returns::near(places, keyframes);
+    for line in lines {
+        let pieces = line.traced(map, &returns, settings.spacing_m);
+        map.replace_by(line.slot, pieces.into_iter());
+        // The next is not to be drawn on to where this one now is.
+        map.refresh_skeletons(settings.skeleton_sigma_m);
+    }
+}
+
+/// A polyline with gaps.
+struct Line {
+    slot: u32,
+    vertices: Vec<Vertex>,
+    /// First vertex of each gap and the first after it.
+    gaps: Vec<(usize, usize)>,
+}
+
+impl Line {
+    /// `None` when it has no gap.
+    fn of(map: &GrowingMap, covered: &Covered) -> Option<Self> {
+        let vertices = &map.polyline(covered.slot)?.vertices;
+        let gaps = gaps(vertices, &covered.vertices);
+        (!gaps.is_empty()).then(|| Self {
+            slot: covered.slot,
+            vertices: vertices.clone(),
+            gaps,
+        })
+    }
+
+    /// The points of all gaps and those next to them.
+    fn gap_points(&self) -> impl Iterator<Item = Point> + '_ {
+        let around = |&(from, to): &(usize, usize)| {
+            &self.vertices[from.saturating_sub(1)..(to + 1).min(self.vertices.len())]
+        };
+        self.gaps.iter().flat_map(around).map(|v| v.point)
+    }
+
+    /// The covered stretches, drawn on and joined where returns say so.
+    fn traced(&self, map: &GrowingMap, returns: &Returns, spacing_m: f64) -> Vec<Vec<Vertex>> {
+        let mut pieces: Vec<Vec<Vertex>> = Vec::new();
+        let mut before = self.vertices[..self.gaps[0].0].to_vec();
+        for (k, &(from, to)) in self.gaps.iter().enumerate() {
+            let next = self.gaps.get(k + 1).map_or(self.vertices.len(), |gap| gap.0);
+            let mut after = self.vertices[to..next].to_vec();
+            let gap_m = match (before.last(), after.first()) {
+                (Some(a), Some(b)) => a.point.distance(b.point),
+                _ => self.vertices[from].point.distance(self.vertices[to - 1].point),
+            };
+            after.reverse();
+            let drawn_on = |wall: &[Vertex]| {
+                let mut tip = Tip::of(wall)?;
+                tip.carry_on(returns, gap_m + MOST_BEYOND_M, |place, direction| {
+                    other_is_at(map, self.slot, place, direction)
+                });
+                Some(tip)
+            };
+            let is_joined = match (drawn_on(&before), drawn_on(&after)) {
+                (Some(mut a), Some(mut b)) => {
+                    a.stop_at(&mut b);
+                    let is_joined = a.meets(&mut b) || has_face(a.end(), b.end(), returns);
+                    a.draw_on(&mut before, spacing_m);
+                    b.draw_on(&mut after, spacing_m);
+                    is_joined
+                }
+                (a, b) => {
+                    a.iter().for_each(|a| a.draw_on(&mut before, spacing_m));
+                    b.iter().for_each(|b| b.draw_on(&mut after, spacing_m));
+                    false
+                }
+            };
+            after.reverse();
+            if is_joined {
+                join(&mut before, &after, spacing_m);
+            } else {
+                pieces.push(std::mem::replace(&mut before, after));
+            }
+        }
+        pieces.push(before);
+        pieces.retain(|piece| piece.len() > 1);
+        pieces
+    }
+}
+
+/// The runs of vertices that are not covered and lead over more than a hand's breadth.
+fn gaps(vertices: &[Vertex], covered: &[bool]) -> Vec<(usize, usize)> {
+    let mut gaps = Vec::new();
+    let mut from = 0;
+    for run in covered.chunk_by(|a, b| a == b) {
+        let to = from + run.len();
+        let (first, last) = (
+            &vertices[from.saturating_sub(1)],
+            &vertices[to.min(vertices.len() - 1)],
+        );
+        if !run[0] && first.point.distance(last.point) >= LEAST_GAP_M {
+            gaps.push((from, to));
+        }
+        from = to;
+    }
+    gaps
+}
+
+/// Whether another polyline stands where a wall would be drawn on to.
+fn other_is_at(map: &GrowingMap, slot: u32, place: Point, direction: Point) -> bool {
+    let near = Near {
+        direction,
+        min_cos: MIN_COS,
+        max_distance_m: TAKEN_M,
+        beyond_ends: true,
+    };
+    let mut reader = map.skeleton.reader();
+    reader.nearest(place, &near, |owner| owner != slot).is_some()
+}
+
+/// Whether returns cover the face between the ends of two walls; ends that touch need none.
+fn has_face(a: Point, b: Point, returns: &Returns) -> bool {
+    let length_m = a.distance(b);
+    length_m <= LONGEST_FACE_M && returns.cover(a, b)
+}
+
+/// Puts points on the straight that leads on to `after`, so that it weighs as the rest does.
+fn join(before: &mut Vec<Vertex>, after: &[Vertex], spacing_m: f64) {
+    if let (Some(&from), Some(to)) = (before.last(), after.first()) {
+        let pieces = (from.point.distance(to.point) / spacing_m).round() as usize;
+        before.extend((1..pieces).map(|k| Vertex {
+            point: from.point.lerp(to.point, k as f64 / pieces as f64),
+            ..from
+        }));
+    }
+    before.extend_from_slice(after);
+}
+
+#[cfg(test)]
+mod tests;
