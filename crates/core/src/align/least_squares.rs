@@ -172,8 +172,7 @@ pub(crate) fn align_to_grid(
 #[derive(Default)]
 struct Round {
     information: Information,
-    /// What of it may come from sides that are out of line with their walls.
-    by_direction: Information,
+    directions: Directions,
     /// Σ w j e / σ²
     gradient: [f64; 3],
     matched: usize,
@@ -189,9 +188,8 @@ impl Round {
 
     /// Takes out what sides seem to tell by being out of line with their walls: see the module.
     fn discount_directions(&mut self) {
-        let kept = self
-            .information
-            .discounted_by(&self.by_direction.scaled(DIRECTIONS_LAST), self.gradient);
+        let seeming = self.directions.seeming().scaled(DIRECTIONS_LAST);
+        let kept = self.information.discounted_by(&seeming, self.gradient);
         if let Some((information, gradient)) = kept {
             (self.information, self.gradient) = (information, gradient);
         }
@@ -228,17 +226,19 @@ impl Round {
                 continue;
             };
             let side = target.side(foot.side);
-            let normal = side.normal();
-            let error_m = normal.dot(place - foot.point);
+            let error_m = side.normal().dot(place - foot.point);
+            let direction = side.along(foot.share);
+            let normal = direction.left();
             // The scale follows the gate, so that poor guesses are not weighted away in the first rounds.
             let scale_m = settings.robust_sigmas * p.sigma_m.max(0.2 * (gate_m - settings.last_gate_m));
             let weight = 1.0 / (1.0 + (error_m / scale_m).powi(2));
             let j = [normal.x, normal.y, normal.dot(arm.left())];
             let w = weight * p.worth / (p.sigma_m * p.sigma_m);
             round.information.add_residual(j, w);
-            let along = [side.direction.x, side.direction.y, side.direction.dot(arm.left())];
-            let turned = normal.dot(near.direction).powi(2) + (SIDE_END_M / side.length_m).powi(2);
-            round.by_direction.add_residual(along, w * turned);
+            let along = [direction.x, direction.y, direction.dot(arm.left())];
+            round
+                .directions
+                .add(along, w, normal.dot(near.direction), SIDE_END_M / side.told_by_m());
             for (g, j) in round.gradient.iter_mut().zip(j) {
                 *g += w * j * error_m;
             }
@@ -261,6 +261,41 @@ impl Round {
         let pull = prior.information.times(off);
         let gradient = [0, 1, 2].map(|k| -(self.gradient[k] + pull[k]));
         self.information.plus(&prior.information).solve(gradient)
+    }
+}
+
+/// How far sides are out of line with their walls, and what that may tell of itself.
+#[derive(Default)]
+struct Directions {
+    /// Σ w a aᵀ, a the derivatives along the sides, the same times ε, and the sum of what is times ε² or not known of it.
+    along: Information,
+    along_turned: Information,
+    along_squares: Information,
+    /// Σ w and Σ w ε.
+    weight: f64,
+    turned: f64,
+}
+
+impl Directions {
+    /// A return, ε out of line; directions are not known to `doubt`, both in radians.
+    fn add(&mut self, along: [f64; 3], weight: f64, turned: f64, doubt: f64) {
+        self.along.add_residual(along, weight);
+        self.along_turned.add_residual(along, weight * turned);
+        self.along_squares
+            .add_residual(along, weight * (turned * turned + doubt * doubt));
+        self.weight += weight;
+        self.turned += weight * turned;
+    }
+
+    /// What sides may tell by being out of line: S with ε counted from its mean, because that is the heading.
+    fn seeming(&self) -> Information {
+        if self.weight <= 0.0 {
+            return Information::default();
+        }
+        let mean = self.turned / self.weight;
+        self.along_squares
+            .plus(&self.along_turned.scaled(-2.0 * mean))
+            .plus(&self.along.scaled(mean * mean))
     }
 }
 
