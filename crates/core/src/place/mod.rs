@@ -47,6 +47,8 @@ pub struct PlaceSettings {
     pub gate_m: f64,
     /// A predicted pose with this share of agreeing beams needs no second look.
     pub good_fit: f64,
+    /// The same where the walls have not told the heading for some time: what the map contradicts may tell it.
+    pub open_fit: f64,
     /// A pose near the predicted one with a smaller share of agreeing beams is not believed,
     pub least_fit: f64,
     /// nor one from which the map says something of fewer beams.
@@ -74,6 +76,7 @@ impl Default for PlaceSettings {
         Self {
             gate_m: 0.10,
             good_fit: 0.8,
+            open_fit: 0.98,
             least_fit: 0.5,
             least_known: 0.3,
             far_fit: 0.7,
@@ -140,6 +143,16 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
             return Answer::settled(p);
         }
         stage.take(p);
+    }
+    if motion.open_sigmas().is_some() && stage.best().is_some_and(|p| stage.is_good(&p)) {
+        stage.search();
+        let best = stage.best();
+        return Answer {
+            placement: best,
+            believed: best.into_iter().collect(),
+            hypotheses: stage.into_found(),
+            ..Answer::default()
+        };
     }
     stage.try_guess(&motion.standing());
     let wide = Guess {

@@ -117,11 +117,18 @@ impl<'a> Stage<'a> {
         let off_rad = wrap_rad(p.alignment.map_from_scan.theta_rad - predicted.map_from_scan.theta_rad).abs();
         self.motion.lost_scans == 0
             && self.motion.is_smooth()
-            && p.agreement.fit() >= self.settings.good_fit
+            && p.agreement.fit() >= self.fit_to_go_on()
             && p.agreement.known_share() >= 0.5
             && p.alignment.matched_share() >= 0.5
             && off_m <= 2.0 * predicted.sigma_m
             && off_rad <= 2.0 * predicted.sigma_rad
+    }
+
+    fn fit_to_go_on(&self) -> f64 {
+        match self.motion.open_sigmas() {
+            Some(_) => self.settings.open_fit,
+            None => self.settings.good_fit,
+        }
     }
 
     /// How far from the predicted place a scanner can be that has moved as before, metres: ten times as far as

@@ -33,6 +33,9 @@ const SHARE_ANYTHING: f64 = 0.1;
 const ANYTHING_M: f64 = 0.3;
 const ANYTHING_RAD: f64 = 0.3;
 
+/// A heading that is known less well than this is open, radians.
+const OPEN_RAD: f64 = 0.1;
+
 /// The scanner's last pose and how it moved to it.
 #[derive(Clone, Debug)]
 pub(crate) struct Motion {
@@ -128,6 +131,13 @@ impl Motion {
         self.speed.step
     }
 
+    /// Where the walls have not told the heading for some time, as in a round room: how far off the pose may be by now, standard
+    /// deviations in metres and radians.
+    pub fn open_sigmas(&self) -> Option<(f64, f64)> {
+        let sigmas = self.speed.pose_sigmas();
+        (self.is_smooth() && sigmas.1 > OPEN_RAD).then_some(sigmas)
+    }
+
     /// Where the scanner is when it keeps on moving as before, or as odometry says: wheels slip by a tenth of the way.
     pub fn predicted(&self) -> Guess {
         match self.driven {
@@ -220,18 +230,22 @@ impl Motion {
                 self.usual.turn_rad.max(spread(expected).1),
             ),
         };
+        let (open_m, open_rad) = self.open_sigmas().unwrap_or_default();
+        let wider = |(m, rad): (f64, f64)| (open_m.hypot(m), open_rad.hypot(rad));
         let lost = 1.0 + f64::from(self.lost_scans);
         let anything = (
             lost * (ANYTHING_M + 5.0 * self.usual.shift_m),
             lost * (ANYTHING_RAD + 5.0 * self.usual.turn_rad),
         );
-        SHARE_GOING_ON * gaussian(step, expected, going_on)
+        SHARE_GOING_ON * gaussian(step, expected, wider(going_on))
             + SHARE_AS_BEFORE * self.as_before_density(step)
-            + SHARE_ANYTHING * gaussian(step, expected, anything)
+            + SHARE_ANYTHING * gaussian(step, expected, wider(anything))
     }
 
     fn as_before_density(&self, step: Pose) -> f64 {
-        let sum: f64 = self.steps.iter().map(|s| gaussian(step, *s, spread(*s))).sum();
+        let (open_m, open_rad) = self.open_sigmas().unwrap_or_default();
+        let wider = |(m, rad): (f64, f64)| (open_m.hypot(m), open_rad.hypot(rad));
+        let sum: f64 = self.steps.iter().map(|s| gaussian(step, *s, wider(spread(*s)))).sum();
         sum / self.steps.len().max(1) as f64
     }
 

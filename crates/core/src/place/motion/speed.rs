@@ -68,6 +68,12 @@ impl Speed {
         self.of_both = product(&turn, &self.of_both);
     }
 
+    /// Standard deviations of the last pose, metres and radians.
+    pub fn pose_sigmas(&self) -> (f64, f64) {
+        let [[xx, ..], [_, yy, _], [.., turn]] = self.of_pose;
+        ((0.5 * (xx + yy)).sqrt(), turn.sqrt())
+    }
+
     /// The covariances of the next pose, by the axes of the last.
     fn predict(&mut self, change: &Matrix) {
         add_to(&mut self.of_step, change);
