@@ -172,7 +172,7 @@ impl Track {
     /// Whether the placed scan shall be merged.
     pub fn wants(&self, pose: Pose, step: &Step) -> bool {
         let is_open = self.motion.as_ref().is_some_and(|m| m.open_sigmas().is_some());
-        let is_contradicted = step.agreement.is_some_and(|a| a.fit() < 0.98 && a.known_share() > 0.8);
+        let is_contradicted = step.agreement.is_some_and(|a| a.known_share() > 0.9 && a.fit() < 0.995);
         self.atlas.wants(pose, step) && !(is_open && is_contradicted)
     }
 

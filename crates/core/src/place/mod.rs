@@ -138,7 +138,7 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
         points, map, motion, ..
     } = question;
     let mut stage = Stage::new(points, &map.skeleton, motion, align, settings);
-    if let Some(p) = stage.aligned(&motion.predicted()) {
+    if let Some(p) = stage.predicted() {
         if stage.is_unsurprising(&p) {
             return Answer::settled(p);
         }

@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use super::judge::judge;
 use super::search::{Field, Window, search};
 use super::{Motion, PlaceSettings, Placement, thinned};
-use crate::align::{AlignSettings, Alignment, FULL_WORTH, Guess, SidePoint, align_to_grid, worth};
+use crate::align::{AlignSettings, Alignment, FULL_WORTH, Guess, Prior, SidePoint, align_to_grid, worth};
 use crate::geometry::{SideGrid, wrap_rad};
 use crate::matching::{PoseGaussian, unmoved};
 
@@ -61,13 +61,21 @@ impl<'a> Stage<'a> {
     /// Aligns from a guess and judges the result. The guess is its own prior: along a corridor the scan stays where
     /// it was guessed to be, instead of sliding to where the noise of the walls would have it.
     pub fn aligned(&self, guess: &Guess) -> Option<Placement> {
-        let prior = guess.prior();
+        self.aligned_to(guess, &guess.prior())
+    }
+
+    /// The same from the predicted pose.
+    pub fn predicted(&self) -> Option<Placement> {
+        self.aligned_to(&self.motion.predicted(), &self.motion.prior())
+    }
+
+    fn aligned_to(&self, guess: &Guess, prior: &Prior) -> Option<Placement> {
         let alignment = align_to_grid(
             self.points,
             self.map,
             |_, _| true,
             guess,
-            Some(&prior),
+            Some(prior),
             self.align,
         )?;
         let agreement = judge(

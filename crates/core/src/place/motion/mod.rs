@@ -10,7 +10,7 @@ mod usual;
 
 use std::collections::VecDeque;
 
-use crate::align::{Guess, Information};
+use crate::align::{Guess, Information, Prior};
 use crate::geometry::{Pose, wrap_rad};
 use speed::{Seen, Speed};
 use usual::{ChangeOfSpeed, Driving, Surprise};
@@ -115,7 +115,12 @@ impl Motion {
             } else {
                 self.usual.covariance()
             };
-            self.speed.see(&seen, &change);
+            let is_jump = turn_rad > 2.0 * self.open_sigmas().map_or(f64::INFINITY, |_| OPEN_RAD);
+            if is_jump {
+                self.speed.found_anew(&change);
+            } else {
+                self.speed.see(&seen, &change);
+            }
             if self.steps.len() == MEMORY {
                 self.steps.pop_front();
             }
@@ -136,6 +141,23 @@ impl Motion {
     pub fn open_sigmas(&self) -> Option<(f64, f64)> {
         let sigmas = self.speed.pose_sigmas();
         (self.is_smooth() && sigmas.1 > OPEN_RAD).then_some(sigmas)
+    }
+
+    /// What is expected of the next pose. Where the heading is open, the motion has to tell what the walls do not, and all that is
+    /// known of it counts: what never moves sideways turns instead.
+    pub fn prior(&self) -> Prior {
+        let predicted = self.predicted();
+        let change = self.change.covariance(self.usual);
+        let information = self
+            .open_sigmas()
+            .and_then(|_| self.speed.step_information(&change));
+        match information {
+            Some(information) => Prior {
+                map_from_scan: predicted.map_from_scan,
+                information: information.turned(self.map_from_scan.theta_rad),
+            },
+            None => predicted.prior(),
+        }
     }
 
     /// Where the scanner is when it keeps on moving as before, or as odometry says: wheels slip by a tenth of the way.
