@@ -47,8 +47,11 @@ pub struct PlaceSettings {
     pub gate_m: f64,
     /// A predicted pose with this share of agreeing beams needs no second look.
     pub good_fit: f64,
-    /// The same where the walls have not told the heading for some time: what the map contradicts may tell it.
+    /// The same where the walls have not told the heading for some time: a beam or two that the map contradicts may tell it.
     pub open_fit: f64,
+    /// Meanwhile contradicted scans are not merged, unless the map says something of no more than this share of the beams: a
+    /// scanner that drives on must map what it comes to.
+    pub open_known: f64,
     /// A pose near the predicted one with a smaller share of agreeing beams is not believed,
     pub least_fit: f64,
     /// nor one from which the map says something of fewer beams.
@@ -76,7 +79,8 @@ impl Default for PlaceSettings {
         Self {
             gate_m: 0.10,
             good_fit: 0.8,
-            open_fit: 0.98,
+            open_fit: 0.99,
+            open_known: 0.9,
             least_fit: 0.5,
             least_known: 0.3,
             far_fit: 0.7,
@@ -144,12 +148,14 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
         }
         stage.take(p);
     }
+    // Nothing but the heading is in doubt, and the walls have not told it for some time: what they tell now, by contradicting
+    // the map, is looked for all round. Nothing is merged meanwhile, so that the next scan tells more.
     if motion.open_sigmas().is_some() && stage.best().is_some_and(|p| stage.is_good(&p)) {
         stage.search();
-        let best = stage.best();
+        let placement = stage.best();
         return Answer {
-            placement: best,
-            believed: best.into_iter().collect(),
+            placement,
+            believed: placement.into_iter().collect(),
             hypotheses: stage.into_found(),
             ..Answer::default()
         };

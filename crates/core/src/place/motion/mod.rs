@@ -95,40 +95,48 @@ impl Motion {
         if self.lost_scans > 0 {
             self.speed = Speed::default();
             self.steady = 0;
+        } else if self.is_jump(pose) {
+            self.speed.found_anew(&self.change.covariance(self.usual));
         } else {
             self.steady += 1;
-            let predicted = self.predicted().map_from_scan;
-            let turn_rad = wrap_rad(predicted.theta_rad - pose.theta_rad).abs();
-            self.usual = self.usual.after(predicted.distance(pose), turn_rad);
-            let seen = Seen {
-                step: self.map_from_scan.inverse() * pose,
-                walls: walls.map(|w| w.turned(-self.map_from_scan.theta_rad)),
-            };
-            self.driving.take(seen.step.translation().norm());
-            if walls.is_some_and(|w| w.weakest_direction().1 > WELL_TOLD_M.powi(-2)) {
-                self.change
-                    .take(seen.step.translation() - self.speed.step.translation());
-            }
-            // In a log of keyframes there is no speed to go on with.
-            let change = if self.is_smooth() {
-                self.change.covariance(self.usual)
-            } else {
-                self.usual.covariance()
-            };
-            let is_jump = turn_rad > 2.0 * self.open_sigmas().map_or(f64::INFINITY, |_| OPEN_RAD);
-            if is_jump {
-                self.speed.found_anew(&change);
-            } else {
-                self.speed.see(&seen, &change);
-            }
-            if self.steps.len() == MEMORY {
-                self.steps.pop_front();
-            }
-            self.steps.push_back(seen.step);
+            self.follow(pose, walls);
         }
         self.map_from_scan = pose;
         self.driven = None;
         self.lost_scans = 0;
+    }
+
+    /// Takes in the step to the next pose.
+    fn follow(&mut self, pose: Pose, walls: Option<&Information>) {
+        let predicted = self.predicted().map_from_scan;
+        let turn_rad = wrap_rad(predicted.theta_rad - pose.theta_rad).abs();
+        self.usual = self.usual.after(predicted.distance(pose), turn_rad);
+        let seen = Seen {
+            step: self.map_from_scan.inverse() * pose,
+            walls: walls.map(|w| w.turned(-self.map_from_scan.theta_rad)),
+        };
+        self.driving.take(seen.step.translation().norm());
+        if walls.is_some_and(|w| w.weakest_direction().1 > WELL_TOLD_M.powi(-2)) {
+            self.change
+                .take(seen.step.translation() - self.speed.step.translation());
+        }
+        // In a log of keyframes there is no speed to go on with.
+        let change = if self.is_smooth() {
+            self.change.covariance(self.usual)
+        } else {
+            self.usual.covariance()
+        };
+        self.speed.see(&seen, &change);
+        if self.steps.len() == MEMORY {
+            self.steps.pop_front();
+        }
+        self.steps.push_back(seen.step);
+    }
+
+    /// Whether the next pose is where the scanner turned to while its heading was open: it did not turn there in one step.
+    fn is_jump(&self, pose: Pose) -> bool {
+        let turn_rad = wrap_rad(self.predicted().map_from_scan.theta_rad - pose.theta_rad).abs();
+        self.open_sigmas().is_some() && turn_rad > 2.0 * OPEN_RAD
     }
 
     /// The speed: the motion from one scan to the next that is expected, in the frame of the former, metres and radians.
@@ -252,23 +260,29 @@ impl Motion {
                 self.usual.turn_rad.max(spread(expected).1),
             ),
         };
-        let (open_m, open_rad) = self.open_sigmas().unwrap_or_default();
-        let wider = |(m, rad): (f64, f64)| (open_m.hypot(m), open_rad.hypot(rad));
         let lost = 1.0 + f64::from(self.lost_scans);
         let anything = (
             lost * (ANYTHING_M + 5.0 * self.usual.shift_m),
             lost * (ANYTHING_RAD + 5.0 * self.usual.turn_rad),
         );
-        SHARE_GOING_ON * gaussian(step, expected, wider(going_on))
+        SHARE_GOING_ON * gaussian(step, expected, self.widened(going_on))
             + SHARE_AS_BEFORE * self.as_before_density(step)
-            + SHARE_ANYTHING * gaussian(step, expected, wider(anything))
+            + SHARE_ANYTHING * gaussian(step, expected, self.widened(anything))
     }
 
     fn as_before_density(&self, step: Pose) -> f64 {
-        let (open_m, open_rad) = self.open_sigmas().unwrap_or_default();
-        let wider = |(m, rad): (f64, f64)| (open_m.hypot(m), open_rad.hypot(rad));
-        let sum: f64 = self.steps.iter().map(|s| gaussian(step, *s, wider(spread(*s)))).sum();
+        let sum: f64 = self
+            .steps
+            .iter()
+            .map(|s| gaussian(step, *s, self.widened(spread(*s))))
+            .sum();
         sum / self.steps.len().max(1) as f64
+    }
+
+    /// What a standard deviation of the next step is while the heading is open.
+    fn widened(&self, (m, rad): (f64, f64)) -> (f64, f64) {
+        let (open_m, open_rad) = self.open_sigmas().unwrap_or_default();
+        (open_m.hypot(m), open_rad.hypot(rad))
     }
 
     fn after_step(&self, step: Pose) -> Guess {
