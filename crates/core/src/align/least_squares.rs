@@ -454,6 +454,84 @@ mod tests {
         Polyline::new((-20..=20).map(corner).collect()).unwrap()
     }
 
+    /// A round room, the corners of its wall at every 0.6 m and up to 1 cm off, and what is seen of it from a quarter of a
+    /// metre beside its middle, the sides' corners `shifted_m` along the wall.
+    fn round_room(shifted_m: f64, turned_rad: f64) -> (Polyline, Vec<SidePoint>) {
+        const RADIUS_M: f64 = 2.5;
+        let corner = |k: i32| {
+            let wobble_m = 0.01 * (f64::from(k) * 2.4).sin();
+            Point::from_polar(RADIUS_M + wobble_m, (0.6 * f64::from(k) + shifted_m) / RADIUS_M)
+        };
+        let wall = Polyline::new((-9..=9).map(corner).collect()).unwrap();
+        let scan_from_map = Pose::new(0.25, 0.0, turned_rad).inverse();
+        let points = (-90..=90)
+            .map(|beam| {
+                let bearing = Point::from_polar(1.0, f64::from(beam) / 60.0);
+                SidePoint {
+                    point: scan_from_map * (bearing * RADIUS_M),
+                    direction: scan_from_map.rotate(bearing.left()),
+                    sigma_m: 0.015,
+                    worth: 0.5,
+                    is_on_short_side: false,
+                    polyline: 0,
+                }
+            })
+            .collect();
+        (wall, points)
+    }
+
+    #[test]
+    fn a_round_room_does_not_tell_a_turn_and_a_box_in_it_does() {
+        let turned_rad = 0.08;
+        for k in 0..6 {
+            let (wall, mut points) = round_room(0.1 * f64::from(k), turned_rad);
+            let mut walls = vec![wall];
+            let guess = Guess {
+                map_from_scan: Pose::new(0.25, 0.0, 0.0),
+                sigma_m: 0.005,
+                sigma_rad: 0.1,
+            };
+            let found = |points: &[SidePoint], walls: &[Polyline]| {
+                let settings = AlignSettings::default();
+                align(points, walls, None, &guess, Some(&guess.prior()), &settings).unwrap()
+            };
+            // A turn about the room's middle moves a scanner beside it sideways.
+            let about_middle = |found: &Alignment| {
+                let at = found.map_from_scan.translation();
+                let way = Point::default() - at;
+                found.information.quadratic([way.y, -way.x, 1.0]).sqrt().recip()
+            };
+            let alone = found(&points, &walls);
+            let sigma_rad = about_middle(&alone);
+            assert!(sigma_rad > 0.1, "{k}: the turn is claimed to {sigma_rad} rad");
+
+            let box_corners = [(1.2, 0.3), (0.8, 0.0), (1.1, -0.4)].map(|(x, y)| Point::new(x, y));
+            let seen_box = Polyline::new(box_corners.iter().rev().copied().collect()).unwrap();
+            let mut of_box = seen_from(std::slice::from_ref(&seen_box), Pose::new(0.25, 0.0, turned_rad));
+            of_box.iter_mut().for_each(|p| p.worth = 1.0);
+            points.extend(of_box.into_iter().map(|p| SidePoint { polyline: 1, ..p }));
+            walls.push(seen_box);
+            let with_box = found(&points, &walls);
+            let off_rad = (with_box.map_from_scan.theta_rad - turned_rad).abs();
+            assert!(off_rad < 0.015, "{k}: {off_rad} rad off with a box in sight");
+        }
+    }
+
+    #[test]
+    fn a_heading_that_is_off_does_not_make_sides_be_out_of_line() {
+        let seeming = |heading_off_rad: f64| {
+            let mut directions = Directions::default();
+            for k in 0..40 {
+                let bearing_rad = 0.1 * f64::from(k);
+                let turned = 0.02 * (f64::from(k) * 2.4).sin();
+                let along = [bearing_rad.cos(), bearing_rad.sin(), 2.5];
+                directions.add(along, 1.0, turned + heading_off_rad, 0.0);
+            }
+            directions.seeming().quadratic([0.0, 0.0, 1.0])
+        };
+        assert!((seeming(0.1) - seeming(0.0)).abs() < 1e-9 && seeming(0.0) > 0.0);
+    }
+
     #[test]
     fn along_round_walls_the_motion_goes_on_and_the_walls_do_not_claim_to_know() {
         let (middle_m, reach_rad) = (10.0, 0.5);

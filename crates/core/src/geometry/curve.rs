@@ -72,3 +72,78 @@ impl Bend {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The directions along sides, told every 5 % of each.
+    fn directions(corners: &[Point]) -> Vec<(Point, Point)> {
+        let straight: Vec<(Point, Point, f64)> = corners
+            .windows(2)
+            .map(|pair| {
+                let side = pair[1] - pair[0];
+                (pair[0], side * (1.0 / side.norm()), side.norm())
+            })
+            .collect();
+        let mut bends = vec![Bends::default(); straight.len()];
+        for k in 1..straight.len() {
+            let (before, behind) = bends.split_at_mut(k);
+            let (a, b) = (straight[k - 1], straight[k]);
+            Bends::join((&mut before[k - 1], a.1, a.2), (&mut behind[0], b.1, b.2));
+        }
+        let at = |k: usize, share: f64| {
+            let (start, direction, length_m) = straight[k];
+            (
+                start + direction * (share * length_m),
+                bends[k].along(direction, length_m, share),
+            )
+        };
+        (0..straight.len())
+            .flat_map(|k| (0..=20).map(move |i| (k, f64::from(i) / 20.0)))
+            .map(|(k, share)| at(k, share))
+            .collect()
+    }
+
+    #[test]
+    fn the_sides_of_a_round_wall_have_the_directions_of_the_circle() {
+        for (radius_m, side_m) in [(2.5, 0.6), (11.0, 1.2)] {
+            // Some sides are half as long again as others.
+            let bearing_rad = |k: i32| (f64::from(k) + 0.2 * f64::from(k % 2)) * side_m / radius_m;
+            let corners: Vec<Point> = (0..8)
+                .map(|k| Point::from_polar(radius_m, bearing_rad(k)))
+                .collect();
+            let (first, last) = (bearing_rad(1), bearing_rad(6));
+            let told = directions(&corners);
+            let inner = told
+                .iter()
+                .filter(|(at, _)| (first..last).contains(&at.bearing_rad()));
+            for (at, direction) in inner {
+                let off = at.unit().unwrap().dot(*direction).abs();
+                // The side itself is off by up to half of what it turns.
+                assert!(off < 0.12 * side_m / radius_m, "{off} rad off at {at:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn long_walls_keep_their_directions_but_where_they_meet_and_corners_altogether() {
+        let bent = [
+            Point::new(-5.0, 0.0),
+            Point::new(0.0, 0.0),
+            Point::from_polar(5.0, 0.3),
+        ];
+        for (at, direction) in directions(&bent) {
+            let straight = if at.x <= 0.0 { 0.0 } else { 0.3 };
+            let is_near = at.norm() < 0.42;
+            assert!(
+                is_near || (direction.bearing_rad() - straight).abs() < 1e-9,
+                "{at:?}"
+            );
+        }
+        let corner = [Point::new(-0.5, 0.0), Point::new(0.0, 0.0), Point::new(0.0, 0.5)];
+        for (_, direction) in directions(&corner) {
+            assert!(direction.x * direction.y == 0.0, "{direction:?}");
+        }
+    }
+}

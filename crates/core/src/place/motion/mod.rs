@@ -350,6 +350,51 @@ mod tests {
         assert!((room - 0.05).abs() < 0.01, "{room} m a step where the walls tell");
     }
 
+    /// A robot that drove ahead, has turned on the spot in a corner, and drives into a round room: for `scans` walls tell nothing but
+    /// where the room's middle is.
+    fn in_a_round_room(scans: usize) -> Motion {
+        let room = Information::from_sigmas(0.005, 0.005, 0.002);
+        let mut motion = Motion::starting_at(Pose::IDENTITY);
+        let ahead = Pose::new(0.05, 0.0, 0.0);
+        let about = Pose::new(0.0, 0.0, 0.08);
+        let steps = [[ahead; 40].as_slice(), &[about; 10], &[ahead; 10]].concat();
+        for step in steps {
+            motion.advance(motion.map_from_scan * step, Some(&room));
+        }
+        let round = Information::from_sigmas(0.005, 0.005, 1.0);
+        for _ in 0..scans {
+            motion.advance(motion.map_from_scan * ahead, Some(&round));
+        }
+        motion
+    }
+
+    #[test]
+    fn a_heading_that_walls_do_not_tell_is_open_after_some_scans() {
+        assert_eq!(in_a_round_room(1).open_sigmas(), None);
+        let (_, rad) = in_a_round_room(20).open_sigmas().unwrap();
+        assert!(rad > 0.2, "{rad} rad");
+    }
+
+    #[test]
+    fn while_the_heading_is_open_turning_is_likelier_than_moving_sideways() {
+        let motion = in_a_round_room(20);
+        let information = motion.prior().information.turned(-motion.map_from_scan.theta_rad);
+        // As far as either moves the middle of the room, a quarter of a metre ahead.
+        let (sideways, turning) = ([0.0, 0.02, 0.0], [0.0, 0.0, 0.08]);
+        assert!(information.quadratic(turning) < information.quadratic(sideways));
+    }
+
+    #[test]
+    fn a_heading_found_anew_is_no_turn_of_the_scanner() {
+        let mut motion = in_a_round_room(20);
+        let (before, usual) = (motion.step(), motion.usual);
+        let room = Information::from_sigmas(0.005, 0.005, 0.002);
+        motion.advance(motion.map_from_scan * Pose::new(0.05, 0.0, 0.9), Some(&room));
+        assert_eq!(motion.step(), before);
+        assert!((motion.usual.turn_rad - usual.turn_rad).abs() < 1e-12);
+        assert_eq!(motion.open_sigmas(), None, "it is known now");
+    }
+
     #[test]
     fn odometry_outranks_the_speed_so_far() {
         let driven = Pose::new(0.5, 0.0, 1.0);
