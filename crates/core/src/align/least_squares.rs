@@ -236,9 +236,12 @@ impl Round {
             let w = weight * p.worth / (p.sigma_m * p.sigma_m);
             round.information.add_residual(j, w);
             let along = [direction.x, direction.y, direction.dot(arm.left())];
-            round
-                .directions
-                .add(along, w, normal.dot(near.direction), SIDE_END_M / side.told_by_m());
+            round.directions.add(
+                along,
+                w,
+                normal.dot(near.direction),
+                SIDE_END_M / side.told_by_m(),
+            );
             for (g, j) in round.gradient.iter_mut().zip(j) {
                 *g += w * j * error_m;
             }

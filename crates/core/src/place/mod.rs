@@ -6,6 +6,8 @@
 //! 1. The predicted pose is aligned. Full-rate scans move a few centimetres, and this settles nearly all of them.
 //! 2. When the scan disagrees with it (a standstill after motion, somebody walking along), standing still, a wider
 //!    guess, and steps made before are tried.
+//!    Where the walls have not told the heading for some time (a round room), a beam or two that the map contradicts is
+//!    disagreement enough, and all headings are searched: only what comes into sight now can tell it.
 //! 3. The paper's way (sections 2 and 3.3): the polylines are matched by shape with the virtual scan, and every pose that
 //!    the correspondences induce is aligned.
 //! 4. If none of these stands out, all poses in a window around are searched (`search`).

@@ -70,14 +70,7 @@ impl<'a> Stage<'a> {
     }
 
     fn aligned_to(&self, guess: &Guess, prior: &Prior) -> Option<Placement> {
-        let alignment = align_to_grid(
-            self.points,
-            self.map,
-            |_, _| true,
-            guess,
-            Some(prior),
-            self.align,
-        )?;
+        let alignment = align_to_grid(self.points, self.map, |_, _| true, guess, Some(prior), self.align)?;
         let agreement = judge(
             self.points,
             self.map,
