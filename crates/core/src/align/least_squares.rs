@@ -144,10 +144,12 @@ pub(crate) fn align_to_grid(
         rounds += 1;
         let gate = |off_m: f64| (settings.last_gate_m + doubt * off_m).min(settings.widest_gate_m);
         let gated = points.iter().zip(off_m.iter().map(|&off_m| gate(off_m)));
-        last = Round::pair(gated, target, &allowed, pose, settings);
-        if doubt < DOUBT_OF_DIRECTIONS {
-            last.discount_directions();
-        }
+        last = Round {
+            directions: (doubt < DOUBT_OF_DIRECTIONS).then(Directions::default),
+            ..Round::default()
+        };
+        last.pair(gated, target, &allowed, pose, settings);
+        last.discount_directions();
         let step = last.step(pose, prior)?;
         pose = Pose::new(pose.x + step[0], pose.y + step[1], pose.theta_rad + step[2]);
         let (shift_m, turn_rad) = (step[0].hypot(step[1]), step[2].abs());
@@ -172,7 +174,8 @@ pub(crate) fn align_to_grid(
 #[derive(Default)]
 struct Round {
     information: Information,
-    directions: Directions,
+    /// `None` while directions are not judged.
+    directions: Option<Directions>,
     /// Σ w j e / σ²
     gradient: [f64; 3],
     matched: usize,
@@ -188,7 +191,10 @@ impl Round {
 
     /// Takes out what sides seem to tell by being out of line with their walls: see the module.
     fn discount_directions(&mut self) {
-        let seeming = self.directions.seeming().scaled(DIRECTIONS_LAST);
+        let Some(directions) = &self.directions else {
+            return;
+        };
+        let seeming = directions.seeming().scaled(DIRECTIONS_LAST);
         let kept = self.information.discounted_by(&seeming, self.gradient);
         if let Some((information, gradient)) = kept {
             (self.information, self.gradient) = (information, gradient);
@@ -197,13 +203,13 @@ impl Round {
 
     /// Pairs returns, each with its gate, with the sides nearest to them.
     fn pair<'a>(
+        &mut self,
         points: impl Iterator<Item = (&'a SidePoint, f64)>,
         target: &SideGrid,
         allowed: &impl Fn(u32, u32) -> bool,
         pose: Pose,
         settings: &AlignSettings,
-    ) -> Self {
-        let mut round = Self::default();
+    ) {
         let (sin, cos) = pose.theta_rad.sin_cos();
         let turn = |v: Point| Point::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
         let mut reader = target.reader();
@@ -234,21 +240,18 @@ impl Round {
             let weight = 1.0 / (1.0 + (error_m / scale_m).powi(2));
             let j = [normal.x, normal.y, normal.dot(arm.left())];
             let w = weight * p.worth / (p.sigma_m * p.sigma_m);
-            round.information.add_residual(j, w);
-            let along = [direction.x, direction.y, direction.dot(arm.left())];
-            round.directions.add(
-                along,
-                w,
-                normal.dot(near.direction),
-                SIDE_END_M / side.told_by_m(),
-            );
-            for (g, j) in round.gradient.iter_mut().zip(j) {
+            self.information.add_residual(j, w);
+            if let Some(directions) = &mut self.directions {
+                let along = [direction.x, direction.y, direction.dot(arm.left())];
+                let turned = normal.dot(near.direction);
+                directions.add(along, w, turned, SIDE_END_M / side.told_by_m());
+            }
+            for (g, j) in self.gradient.iter_mut().zip(j) {
                 *g += w * j * error_m;
             }
-            round.matched += 1;
-            round.squares_m2 += error_m * error_m;
+            self.matched += 1;
+            self.squares_m2 += error_m * error_m;
         }
-        round
     }
 
     /// The Gauss–Newton step of the walls and the prior together.

@@ -18,7 +18,7 @@
 //! Round walls are drawn with sides. The normal nᵢ is that of the curve they may stand for (`geometry::Bends`), and so are the
 //! directions of the scan's sides: about the middle of a round room nᵢ·left(R p) vanishes, as it must. With the sides' own normals each
 //! corner holds the scan fast where it was seen last; a scanner that turned on the spot in a simulated apse was believed to have
-//! turned by a half to two thirds of it.
+//! turned by a third to a half of that.
 //!
 //! A side that is out of line with its wall by a small angle ε tells a shift along the wall by sin ε of itself. This is not
 //! information: what was seen last holds the scanner fast. So Ω is discounted by S = 3 Σ w ε² aᵢaᵢᵀ, aᵢ the derivatives along the
