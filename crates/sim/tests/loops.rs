@@ -86,3 +86,30 @@ fn a_scanner_that_reaches_five_metres_finds_its_way_round_a_ring() {
     let off_m = farthest_off_m(PlanKind::Oblique, 1);
     assert!(off_m < 0.5, "{off_m} m");
 }
+
+/// The scanner sees half of a round room, turns on the spot without any sign of it, and then sees the way out again: this must not
+/// become another way out (it was, 36° to 53° beside it).
+#[test]
+fn a_turn_in_a_round_room_is_told_by_the_way_out() {
+    for seed in [4, 5, 10] {
+        let log = simulate(&SimSettings {
+            scanner: Scanner::new(ScannerKind::Sick180),
+            motion: Motion {
+                max_scans: 300,
+                ..Motion::full_rate()
+            },
+            ..SimSettings::new(PlanKind::Oblique, seed)
+        })
+        .unwrap();
+        let mut mapper = Mapper::new(Settings::default());
+        for scan in &log.scans {
+            mapper.add_scan(scan, None);
+        }
+        let outcomes = mapper.outcomes();
+        let last = outcomes.len() - 1;
+        let motion = pose(&outcomes[0]).inverse() * pose(&outcomes[last]);
+        let truly = log.truth_poses[0].inverse() * log.truth_poses[last];
+        let off_m = motion.distance(truly);
+        assert!(off_m < 0.5, "seed {seed}: {off_m} m off after the room");
+    }
+}

@@ -144,10 +144,12 @@ pub(crate) fn align_to_grid(
         rounds += 1;
         let gate = |off_m: f64| (settings.last_gate_m + doubt * off_m).min(settings.widest_gate_m);
         let gated = points.iter().zip(off_m.iter().map(|&off_m| gate(off_m)));
-        last = Round::pair(gated, target, &allowed, pose, settings);
-        if doubt < DOUBT_OF_DIRECTIONS {
-            last.discount_directions();
-        }
+        last = Round {
+            directions: (doubt < DOUBT_OF_DIRECTIONS).then(Directions::default),
+            ..Round::default()
+        };
+        last.pair(gated, target, &allowed, pose, settings);
+        last.discount_directions();
         let step = last.step(pose, prior)?;
         pose = Pose::new(pose.x + step[0], pose.y + step[1], pose.theta_rad + step[2]);
         let (shift_m, turn_rad) = (step[0].hypot(step[1]), step[2].abs());
@@ -172,8 +174,8 @@ pub(crate) fn align_to_grid(
 #[derive(Default)]
 struct Round {
     information: Information,
-    /// What of it may come from sides that are out of line with their walls.
-    by_direction: Information,
+    /// `None` while directions are not judged.
+    directions: Option<Directions>,
     /// Σ w j e / σ²
     gradient: [f64; 3],
     matched: usize,
@@ -189,9 +191,11 @@ impl Round {
 
     /// Takes out what sides seem to tell by being out of line with their walls: see the module.
     fn discount_directions(&mut self) {
-        let kept = self
-            .information
-            .discounted_by(&self.by_direction.scaled(DIRECTIONS_LAST), self.gradient);
+        let Some(directions) = &self.directions else {
+            return;
+        };
+        let seeming = directions.seeming().scaled(DIRECTIONS_LAST);
+        let kept = self.information.discounted_by(&seeming, self.gradient);
         if let Some((information, gradient)) = kept {
             (self.information, self.gradient) = (information, gradient);
         }
@@ -199,13 +203,13 @@ impl Round {
 
     /// Pairs returns, each with its gate, with the sides nearest to them.
     fn pair<'a>(
+        &mut self,
         points: impl Iterator<Item = (&'a SidePoint, f64)>,
         target: &SideGrid,
         allowed: &impl Fn(u32, u32) -> bool,
         pose: Pose,
         settings: &AlignSettings,
-    ) -> Self {
-        let mut round = Self::default();
+    ) {
         let (sin, cos) = pose.theta_rad.sin_cos();
         let turn = |v: Point| Point::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y);
         let mut reader = target.reader();
@@ -228,24 +232,26 @@ impl Round {
                 continue;
             };
             let side = target.side(foot.side);
-            let normal = side.normal();
-            let error_m = normal.dot(place - foot.point);
+            let error_m = side.normal().dot(place - foot.point);
+            let direction = side.along(foot.share);
+            let normal = direction.left();
             // The scale follows the gate, so that poor guesses are not weighted away in the first rounds.
             let scale_m = settings.robust_sigmas * p.sigma_m.max(0.2 * (gate_m - settings.last_gate_m));
             let weight = 1.0 / (1.0 + (error_m / scale_m).powi(2));
             let j = [normal.x, normal.y, normal.dot(arm.left())];
             let w = weight * p.worth / (p.sigma_m * p.sigma_m);
-            round.information.add_residual(j, w);
-            let along = [side.direction.x, side.direction.y, side.direction.dot(arm.left())];
-            let turned = normal.dot(near.direction).powi(2) + (SIDE_END_M / side.length_m).powi(2);
-            round.by_direction.add_residual(along, w * turned);
-            for (g, j) in round.gradient.iter_mut().zip(j) {
+            self.information.add_residual(j, w);
+            if let Some(directions) = &mut self.directions {
+                let along = [direction.x, direction.y, direction.dot(arm.left())];
+                let turned = normal.dot(near.direction);
+                directions.add(along, w, turned, SIDE_END_M / side.told_by_m());
+            }
+            for (g, j) in self.gradient.iter_mut().zip(j) {
                 *g += w * j * error_m;
             }
-            round.matched += 1;
-            round.squares_m2 += error_m * error_m;
+            self.matched += 1;
+            self.squares_m2 += error_m * error_m;
         }
-        round
     }
 
     /// The Gauss–Newton step of the walls and the prior together.
@@ -261,6 +267,41 @@ impl Round {
         let pull = prior.information.times(off);
         let gradient = [0, 1, 2].map(|k| -(self.gradient[k] + pull[k]));
         self.information.plus(&prior.information).solve(gradient)
+    }
+}
+
+/// How far sides are out of line with their walls, and what that may tell of itself.
+#[derive(Default)]
+struct Directions {
+    /// Σ w a aᵀ, a the derivatives along the sides, the same times ε, and the sum of what is times ε² or not known of it.
+    along: Information,
+    along_turned: Information,
+    along_squares: Information,
+    /// Σ w and Σ w ε.
+    weight: f64,
+    turned: f64,
+}
+
+impl Directions {
+    /// A return, ε out of line; directions are not known to `doubt`, both in radians.
+    fn add(&mut self, along: [f64; 3], weight: f64, turned: f64, doubt: f64) {
+        self.along.add_residual(along, weight);
+        self.along_turned.add_residual(along, weight * turned);
+        self.along_squares
+            .add_residual(along, weight * (turned * turned + doubt * doubt));
+        self.weight += weight;
+        self.turned += weight * turned;
+    }
+
+    /// What sides may tell by being out of line: S with ε counted from its mean, because that is the heading.
+    fn seeming(&self) -> Information {
+        if self.weight <= 0.0 {
+            return Information::default();
+        }
+        let mean = self.turned / self.weight;
+        self.along_squares
+            .plus(&self.along_turned.scaled(-2.0 * mean))
+            .plus(&self.along.scaled(mean * mean))
     }
 }
 
@@ -417,6 +458,84 @@ mod tests {
             Point::from_polar(radius_m + wobble_m, f64::from(k) / radius_m)
         };
         Polyline::new((-20..=20).map(corner).collect()).unwrap()
+    }
+
+    /// A round room, the corners of its wall at every 0.6 m and up to 1 cm off, and what is seen of it from a quarter of a
+    /// metre beside its middle, the sides' corners `shifted_m` along the wall.
+    fn round_room(shifted_m: f64, turned_rad: f64) -> (Polyline, Vec<SidePoint>) {
+        const RADIUS_M: f64 = 2.5;
+        let corner = |k: i32| {
+            let wobble_m = 0.01 * (f64::from(k) * 2.4).sin();
+            Point::from_polar(RADIUS_M + wobble_m, (0.6 * f64::from(k) + shifted_m) / RADIUS_M)
+        };
+        let wall = Polyline::new((-9..=9).map(corner).collect()).unwrap();
+        let scan_from_map = Pose::new(0.25, 0.0, turned_rad).inverse();
+        let points = (-90..=90)
+            .map(|beam| {
+                let bearing = Point::from_polar(1.0, f64::from(beam) / 60.0);
+                SidePoint {
+                    point: scan_from_map * (bearing * RADIUS_M),
+                    direction: scan_from_map.rotate(bearing.left()),
+                    sigma_m: 0.015,
+                    worth: 0.5,
+                    is_on_short_side: false,
+                    polyline: 0,
+                }
+            })
+            .collect();
+        (wall, points)
+    }
+
+    #[test]
+    fn a_round_room_does_not_tell_a_turn_and_a_box_in_it_does() {
+        let turned_rad = 0.08;
+        for k in 0..6 {
+            let (wall, mut points) = round_room(0.1 * f64::from(k), turned_rad);
+            let mut walls = vec![wall];
+            let guess = Guess {
+                map_from_scan: Pose::new(0.25, 0.0, 0.0),
+                sigma_m: 0.005,
+                sigma_rad: 0.1,
+            };
+            let found = |points: &[SidePoint], walls: &[Polyline]| {
+                let settings = AlignSettings::default();
+                align(points, walls, None, &guess, Some(&guess.prior()), &settings).unwrap()
+            };
+            // A turn about the room's middle moves a scanner beside it sideways.
+            let about_middle = |found: &Alignment| {
+                let at = found.map_from_scan.translation();
+                let way = Point::default() - at;
+                found.information.quadratic([way.y, -way.x, 1.0]).sqrt().recip()
+            };
+            let alone = found(&points, &walls);
+            let sigma_rad = about_middle(&alone);
+            assert!(sigma_rad > 0.1, "{k}: the turn is claimed to {sigma_rad} rad");
+
+            let box_corners = [(1.2, 0.3), (0.8, 0.0), (1.1, -0.4)].map(|(x, y)| Point::new(x, y));
+            let seen_box = Polyline::new(box_corners.iter().rev().copied().collect()).unwrap();
+            let mut of_box = seen_from(std::slice::from_ref(&seen_box), Pose::new(0.25, 0.0, turned_rad));
+            of_box.iter_mut().for_each(|p| p.worth = 1.0);
+            points.extend(of_box.into_iter().map(|p| SidePoint { polyline: 1, ..p }));
+            walls.push(seen_box);
+            let with_box = found(&points, &walls);
+            let off_rad = (with_box.map_from_scan.theta_rad - turned_rad).abs();
+            assert!(off_rad < 0.015, "{k}: {off_rad} rad off with a box in sight");
+        }
+    }
+
+    #[test]
+    fn a_heading_that_is_off_does_not_make_sides_be_out_of_line() {
+        let seeming = |heading_off_rad: f64| {
+            let mut directions = Directions::default();
+            for k in 0..40 {
+                let bearing_rad = 0.1 * f64::from(k);
+                let turned = 0.02 * (f64::from(k) * 2.4).sin();
+                let along = [bearing_rad.cos(), bearing_rad.sin(), 2.5];
+                directions.add(along, 1.0, turned + heading_off_rad, 0.0);
+            }
+            directions.seeming().quadratic([0.0, 0.0, 1.0])
+        };
+        assert!((seeming(0.1) - seeming(0.0)).abs() < 1e-9 && seeming(0.0) > 0.0);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::SidePoint;
 use crate::extract::ScanPolyline;
-use crate::geometry::{Point, Segment};
+use crate::geometry::{Bends, Point, Polyline, Segment};
 use crate::scan::Scan;
 
 /// A return farther than this from its polyline's sides is an outlier of the extraction.
@@ -33,20 +33,17 @@ pub(crate) fn side_points(scan: &Scan, polylines: &[ScanPolyline], noise_m: f64)
     let beams = scan.geometry().beams();
     let mut out = Vec::with_capacity(beams);
     for (number, polyline) in (0_u32..).zip(polylines) {
-        let sides: Vec<(Segment, Point)> = polyline
-            .polyline
-            .sides()
-            .filter_map(|s| Some((s, s.direction()?)))
-            .collect();
+        let sides = ScanSide::all_of(&polyline.polyline);
         let mut returns_of_side = vec![0_u32; sides.len()];
         let first = out.len();
         let mut side_of = Vec::new();
         let count = (polyline.last_beam + beams - polyline.first_beam) % beams + 1;
         for beam in (0..count).map(|k| (polyline.first_beam + k) % beams) {
             let Some(point) = scan.point(beam) else { continue };
-            let Some((side, direction)) = nearest_side(&sides, point) else {
+            let Some(side) = nearest_side(&sides, point) else {
                 continue;
             };
+            let direction = sides[side].along(point);
             let sigma_m = noise_m.hypot(MAP_SIGMA_M).hypot(SIGMA_PER_RANGE * point.norm());
             out.push(SidePoint {
                 point,
@@ -62,7 +59,7 @@ pub(crate) fn side_points(scan: &Scan, polylines: &[ScanPolyline], noise_m: f64)
         // Small things may be legs that walk along with the scanner; a door frame is part of a longer polyline.
         let side_worth = SIDE_WORTH * (polyline.polyline.length_m() / STEADY_M).min(1.0);
         for (p, side) in out[first..].iter_mut().zip(side_of) {
-            p.is_on_short_side = sides[side].0.length_m() < SHORT_M;
+            p.is_on_short_side = sides[side].length_m < SHORT_M;
             p.worth = (side_worth / f64::from(returns_of_side[side])).min(1.0);
         }
     }
@@ -77,13 +74,53 @@ pub(crate) fn worth(points: &[SidePoint]) -> f64 {
     points.iter().map(|p| p.worth).sum()
 }
 
-fn nearest_side(sides: &[(Segment, Point)], point: Point) -> Option<(usize, Point)> {
+/// A side of a scan's polyline.
+struct ScanSide {
+    segment: Segment,
+    direction: Point,
+    length_m: f64,
+    bends: Bends,
+}
+
+impl ScanSide {
+    fn all_of(polyline: &Polyline) -> Vec<Self> {
+        let mut sides: Vec<Self> = Vec::new();
+        for segment in polyline.sides() {
+            let Some(direction) = segment.direction() else {
+                continue;
+            };
+            let mut side = Self {
+                segment,
+                direction,
+                length_m: segment.length_m(),
+                bends: Bends::default(),
+            };
+            if let Some(last) = sides.last_mut() {
+                Bends::join(
+                    (&mut last.bends, last.direction, last.length_m),
+                    (&mut side.bends, side.direction, side.length_m),
+                );
+            }
+            sides.push(side);
+        }
+        sides
+    }
+
+    /// Unit vector along the wall beside `point`.
+    fn along(&self, point: Point) -> Point {
+        let share = self.segment.closest_share(point);
+        self.bends.along(self.direction, self.length_m, share)
+    }
+}
+
+/// Number of the side that a return lies on.
+fn nearest_side(sides: &[ScanSide], point: Point) -> Option<usize> {
     let (distance_m, k) = sides
         .iter()
         .enumerate()
-        .map(|(k, (side, _))| (side.distance(point), k))
+        .map(|(k, side)| (side.segment.distance(point), k))
         .min_by(|a, b| a.0.total_cmp(&b.0))?;
-    (distance_m < OUTLIER_M).then(|| (k, sides[k].1))
+    (distance_m < OUTLIER_M).then_some(k)
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 mod angle;
 mod cell_lists;
 mod cells;
+mod curve;
 pub(crate) mod matrix;
 mod point;
 mod polyline;
@@ -15,6 +16,7 @@ mod segment;
 mod side_grid;
 
 pub use angle::wrap_rad;
+pub(crate) use curve::Bends;
 pub use point::Point;
 pub use polyline::{Polyline, PolylineError};
 pub use pose::Pose;

@@ -7,7 +7,7 @@
 
 use super::cell_lists::{CellLists, Reader};
 use super::cells::{CELL_M, Cell, CellWalk, cell_at, cell_of, for_each_cell};
-use super::{Point, Segment};
+use super::{Bends, Point, Segment};
 
 /// A side in the grid: which polyline it belongs to, and where.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,12 +22,32 @@ pub(crate) struct Side {
     pub index: u32,
     /// The side starts (bit 0) or ends (bit 1) its polyline.
     ends: u8,
+    /// How it bends into the sides before and behind it.
+    bends: Bends,
 }
 
 impl Side {
     /// Unit normal into free space.
     pub fn normal(&self) -> Point {
         self.direction.left()
+    }
+
+    /// Unit vector along the curve that the side may be part of, at a share 0..=1 of the side.
+    pub fn along(&self, share: f64) -> Point {
+        self.bends.along(self.direction, self.length_m, share)
+    }
+
+    /// How much wall tells its direction, metres.
+    pub fn told_by_m(&self) -> f64 {
+        self.bends.told_by_m(self.length_m)
+    }
+
+    /// Bends into the side that follows.
+    fn bend_into(&mut self, next: &mut Self) {
+        Bends::join(
+            (&mut self.bends, self.direction, self.length_m),
+            (&mut next.bends, next.direction, next.length_m),
+        );
     }
 
     /// Whether `along_m` from the start lies before the first or behind the last vertex of the polyline.
@@ -145,7 +165,7 @@ impl SideGrid {
         ids.extend_from_slice(&before[gone.end..]);
         for (&id, side) in ids.iter().zip(&sides) {
             let kept = &mut self.sides[id as usize];
-            (kept.index, kept.ends) = (side.index, side.ends);
+            (kept.index, kept.ends, kept.bends) = (side.index, side.ends, side.bends);
         }
         self.of_owner[owner as usize] = ids;
     }
@@ -174,7 +194,14 @@ impl SideGrid {
                 owner,
                 index: index - 1,
                 ends: 0,
+                bends: Bends::default(),
             });
+        }
+        for k in 1..sides.len() {
+            let (before, behind) = sides.split_at_mut(k);
+            if let ([.., before], [behind, ..]) = (before, behind) {
+                before.bend_into(behind);
+            }
         }
         if let Some(first) = sides.first_mut() {
             first.ends |= 1;

@@ -174,7 +174,7 @@ impl Mapper {
     ) {
         let pose = track.advance(&way.way, odometry);
         enter(Stage::Merge);
-        if track.wants(pose, step) {
+        if track.wants(pose, step, &self.settings) {
             track.merge(pose, step, seen, &self.settings);
             enter(Stage::Loops);
             track.close_loops(step, &self.settings);

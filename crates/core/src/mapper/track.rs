@@ -169,9 +169,14 @@ impl Track {
         left.scans = 1;
     }
 
-    /// Whether the placed scan shall be merged.
-    pub fn wants(&self, pose: Pose, step: &Step) -> bool {
-        self.atlas.wants(pose, step)
+    /// Whether the placed scan shall be merged. Where the heading is open and the map contradicts the scan, it may lie elsewhere:
+    /// merged, it would make the map agree with it.
+    pub fn wants(&self, pose: Pose, step: &Step, settings: &Settings) -> bool {
+        let is_open = self.motion.as_ref().is_some_and(|m| m.open_sigmas().is_some());
+        let is_contradicted = step.agreement.is_some_and(|a| {
+            a.fit() < settings.place.open_fit && a.known_share() > settings.place.open_known
+        });
+        self.atlas.wants(pose, step) && !(is_open && is_contradicted)
     }
 
     /// Merges the placed scan.

@@ -6,6 +6,8 @@
 //! 1. The predicted pose is aligned. Full-rate scans move a few centimetres, and this settles nearly all of them.
 //! 2. When the scan disagrees with it (a standstill after motion, somebody walking along), standing still, a wider
 //!    guess, and steps made before are tried.
+//!    Where the walls have not told the heading for some time (a round room), a beam or two that the map contradicts is
+//!    disagreement enough, and all headings are searched: only what comes into sight now can tell it.
 //! 3. The paper's way (sections 2 and 3.3): the polylines are matched by shape with the virtual scan, and every pose that
 //!    the correspondences induce is aligned.
 //! 4. If none of these stands out, all poses in a window around are searched (`search`).
@@ -47,6 +49,11 @@ pub struct PlaceSettings {
     pub gate_m: f64,
     /// A predicted pose with this share of agreeing beams needs no second look.
     pub good_fit: f64,
+    /// The same where the walls have not told the heading for some time: a beam or two that the map contradicts may tell it.
+    pub open_fit: f64,
+    /// Meanwhile contradicted scans are not merged, unless the map says something of no more than this share of the beams: a
+    /// scanner that drives on must map what it comes to.
+    pub open_known: f64,
     /// A pose near the predicted one with a smaller share of agreeing beams is not believed,
     pub least_fit: f64,
     /// nor one from which the map says something of fewer beams.
@@ -74,6 +81,8 @@ impl Default for PlaceSettings {
         Self {
             gate_m: 0.10,
             good_fit: 0.8,
+            open_fit: 0.99,
+            open_known: 0.9,
             least_fit: 0.5,
             least_known: 0.3,
             far_fit: 0.7,
@@ -135,11 +144,23 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
         points, map, motion, ..
     } = question;
     let mut stage = Stage::new(points, &map.skeleton, motion, align, settings);
-    if let Some(p) = stage.aligned(&motion.predicted()) {
+    if let Some(p) = stage.predicted() {
         if stage.is_unsurprising(&p) {
             return Answer::settled(p);
         }
         stage.take(p);
+    }
+    // Nothing but the heading is in doubt, and the walls have not told it for some time: what they tell now, by contradicting
+    // the map, is looked for all round. Nothing is merged meanwhile, so that the next scan tells more.
+    if motion.open_sigmas().is_some() && stage.best().is_some_and(|p| stage.is_good(&p)) {
+        stage.search();
+        let placement = stage.best();
+        return Answer {
+            placement,
+            believed: placement.into_iter().collect(),
+            hypotheses: stage.into_found(),
+            ..Answer::default()
+        };
     }
     stage.try_guess(&motion.standing());
     let wide = Guess {

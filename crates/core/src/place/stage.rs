@@ -5,7 +5,7 @@ use std::cell::OnceCell;
 use super::judge::judge;
 use super::search::{Field, Window, search};
 use super::{Motion, PlaceSettings, Placement, thinned};
-use crate::align::{AlignSettings, Alignment, FULL_WORTH, Guess, SidePoint, align_to_grid, worth};
+use crate::align::{AlignSettings, Alignment, FULL_WORTH, Guess, Prior, SidePoint, align_to_grid, worth};
 use crate::geometry::{SideGrid, wrap_rad};
 use crate::matching::{PoseGaussian, unmoved};
 
@@ -61,15 +61,16 @@ impl<'a> Stage<'a> {
     /// Aligns from a guess and judges the result. The guess is its own prior: along a corridor the scan stays where
     /// it was guessed to be, instead of sliding to where the noise of the walls would have it.
     pub fn aligned(&self, guess: &Guess) -> Option<Placement> {
-        let prior = guess.prior();
-        let alignment = align_to_grid(
-            self.points,
-            self.map,
-            |_, _| true,
-            guess,
-            Some(&prior),
-            self.align,
-        )?;
+        self.aligned_to(guess, &guess.prior())
+    }
+
+    /// The same from the predicted pose.
+    pub fn predicted(&self) -> Option<Placement> {
+        self.aligned_to(&self.motion.predicted(), &self.motion.prior())
+    }
+
+    fn aligned_to(&self, guess: &Guess, prior: &Prior) -> Option<Placement> {
+        let alignment = align_to_grid(self.points, self.map, |_, _| true, guess, Some(prior), self.align)?;
         let agreement = judge(
             self.points,
             self.map,
@@ -117,11 +118,18 @@ impl<'a> Stage<'a> {
         let off_rad = wrap_rad(p.alignment.map_from_scan.theta_rad - predicted.map_from_scan.theta_rad).abs();
         self.motion.lost_scans == 0
             && self.motion.is_smooth()
-            && p.agreement.fit() >= self.settings.good_fit
+            && p.agreement.fit() >= self.fit_to_go_on()
             && p.agreement.known_share() >= 0.5
             && p.alignment.matched_share() >= 0.5
             && off_m <= 2.0 * predicted.sigma_m
             && off_rad <= 2.0 * predicted.sigma_rad
+    }
+
+    fn fit_to_go_on(&self) -> f64 {
+        match self.motion.open_sigmas() {
+            Some(_) => self.settings.open_fit,
+            None => self.settings.good_fit,
+        }
     }
 
     /// How far from the predicted place a scanner can be that has moved as before, metres: ten times as far as

@@ -10,7 +10,7 @@ mod usual;
 
 use std::collections::VecDeque;
 
-use crate::align::{Guess, Information};
+use crate::align::{Guess, Information, Prior};
 use crate::geometry::{Pose, wrap_rad};
 use speed::{Seen, Speed};
 use usual::{ChangeOfSpeed, Driving, Surprise};
@@ -32,6 +32,9 @@ const SHARE_ANYTHING: f64 = 0.1;
 /// jump by metres, one of keyframes may.
 const ANYTHING_M: f64 = 0.3;
 const ANYTHING_RAD: f64 = 0.3;
+
+/// A heading that is known less well than this is open, radians.
+const OPEN_RAD: f64 = 0.1;
 
 /// The scanner's last pose and how it moved to it.
 #[derive(Clone, Debug)]
@@ -92,40 +95,77 @@ impl Motion {
         if self.lost_scans > 0 {
             self.speed = Speed::default();
             self.steady = 0;
+        } else if self.is_jump(pose) {
+            self.speed.found_anew(&self.change.covariance(self.usual));
         } else {
             self.steady += 1;
-            let predicted = self.predicted().map_from_scan;
-            let turn_rad = wrap_rad(predicted.theta_rad - pose.theta_rad).abs();
-            self.usual = self.usual.after(predicted.distance(pose), turn_rad);
-            let seen = Seen {
-                step: self.map_from_scan.inverse() * pose,
-                walls: walls.map(|w| w.turned(-self.map_from_scan.theta_rad)),
-            };
-            self.driving.take(seen.step.translation().norm());
-            if walls.is_some_and(|w| w.weakest_direction().1 > WELL_TOLD_M.powi(-2)) {
-                self.change
-                    .take(seen.step.translation() - self.speed.step.translation());
-            }
-            // In a log of keyframes there is no speed to go on with.
-            let change = if self.is_smooth() {
-                self.change.covariance(self.usual)
-            } else {
-                self.usual.covariance()
-            };
-            self.speed.see(&seen, &change);
-            if self.steps.len() == MEMORY {
-                self.steps.pop_front();
-            }
-            self.steps.push_back(seen.step);
+            self.follow(pose, walls);
         }
         self.map_from_scan = pose;
         self.driven = None;
         self.lost_scans = 0;
     }
 
+    /// Takes in the step to the next pose.
+    fn follow(&mut self, pose: Pose, walls: Option<&Information>) {
+        let predicted = self.predicted().map_from_scan;
+        let turn_rad = wrap_rad(predicted.theta_rad - pose.theta_rad).abs();
+        self.usual = self.usual.after(predicted.distance(pose), turn_rad);
+        let seen = Seen {
+            step: self.map_from_scan.inverse() * pose,
+            walls: walls.map(|w| w.turned(-self.map_from_scan.theta_rad)),
+        };
+        self.driving.take(seen.step.translation().norm());
+        if walls.is_some_and(|w| w.weakest_direction().1 > WELL_TOLD_M.powi(-2)) {
+            self.change
+                .take(seen.step.translation() - self.speed.step.translation());
+        }
+        // In a log of keyframes there is no speed to go on with.
+        let change = if self.is_smooth() {
+            self.change.covariance(self.usual)
+        } else {
+            self.usual.covariance()
+        };
+        self.speed.see(&seen, &change);
+        if self.steps.len() == MEMORY {
+            self.steps.pop_front();
+        }
+        self.steps.push_back(seen.step);
+    }
+
+    /// Whether the next pose is where the scanner turned to while its heading was open: it did not turn there in one step.
+    fn is_jump(&self, pose: Pose) -> bool {
+        let turn_rad = wrap_rad(self.predicted().map_from_scan.theta_rad - pose.theta_rad).abs();
+        self.open_sigmas().is_some() && turn_rad > 2.0 * OPEN_RAD
+    }
+
     /// The speed: the motion from one scan to the next that is expected, in the frame of the former, metres and radians.
     pub fn step(&self) -> Pose {
         self.speed.step
+    }
+
+    /// Where the walls have not told the heading for some time, as in a round room: how far off the pose may be by now, standard
+    /// deviations in metres and radians.
+    pub fn open_sigmas(&self) -> Option<(f64, f64)> {
+        let sigmas = self.speed.pose_sigmas();
+        (self.is_smooth() && sigmas.1 > OPEN_RAD).then_some(sigmas)
+    }
+
+    /// What is expected of the next pose. Where the heading is open, the motion has to tell what the walls do not, and all that is
+    /// known of it counts: what never moves sideways turns instead.
+    pub fn prior(&self) -> Prior {
+        let predicted = self.predicted();
+        let change = self.change.covariance(self.usual);
+        let information = self
+            .open_sigmas()
+            .and_then(|_| self.speed.step_information(&change));
+        match information {
+            Some(information) => Prior {
+                map_from_scan: predicted.map_from_scan,
+                information: information.turned(self.map_from_scan.theta_rad),
+            },
+            None => predicted.prior(),
+        }
     }
 
     /// Where the scanner is when it keeps on moving as before, or as odometry says: wheels slip by a tenth of the way.
@@ -225,14 +265,24 @@ impl Motion {
             lost * (ANYTHING_M + 5.0 * self.usual.shift_m),
             lost * (ANYTHING_RAD + 5.0 * self.usual.turn_rad),
         );
-        SHARE_GOING_ON * gaussian(step, expected, going_on)
+        SHARE_GOING_ON * gaussian(step, expected, self.widened(going_on))
             + SHARE_AS_BEFORE * self.as_before_density(step)
-            + SHARE_ANYTHING * gaussian(step, expected, anything)
+            + SHARE_ANYTHING * gaussian(step, expected, self.widened(anything))
     }
 
     fn as_before_density(&self, step: Pose) -> f64 {
-        let sum: f64 = self.steps.iter().map(|s| gaussian(step, *s, spread(*s))).sum();
+        let sum: f64 = self
+            .steps
+            .iter()
+            .map(|s| gaussian(step, *s, self.widened(spread(*s))))
+            .sum();
         sum / self.steps.len().max(1) as f64
+    }
+
+    /// What a standard deviation of the next step is while the heading is open.
+    fn widened(&self, (m, rad): (f64, f64)) -> (f64, f64) {
+        let (open_m, open_rad) = self.open_sigmas().unwrap_or_default();
+        (open_m.hypot(m), open_rad.hypot(rad))
     }
 
     fn after_step(&self, step: Pose) -> Guess {
@@ -298,6 +348,51 @@ mod tests {
         assert!(corridor > 0.09, "{corridor} m a step");
         let room = drive(Information::from_sigmas(0.005, 0.005, 0.002));
         assert!((room - 0.05).abs() < 0.01, "{room} m a step where the walls tell");
+    }
+
+    /// A robot that drove ahead, has turned on the spot in a corner, and drives into a round room: for `scans` walls tell nothing but
+    /// where the room's middle is.
+    fn in_a_round_room(scans: usize) -> Motion {
+        let room = Information::from_sigmas(0.005, 0.005, 0.002);
+        let mut motion = Motion::starting_at(Pose::IDENTITY);
+        let ahead = Pose::new(0.05, 0.0, 0.0);
+        let about = Pose::new(0.0, 0.0, 0.08);
+        let steps = [[ahead; 40].as_slice(), &[about; 10], &[ahead; 10]].concat();
+        for step in steps {
+            motion.advance(motion.map_from_scan * step, Some(&room));
+        }
+        let round = Information::from_sigmas(0.005, 0.005, 1.0);
+        for _ in 0..scans {
+            motion.advance(motion.map_from_scan * ahead, Some(&round));
+        }
+        motion
+    }
+
+    #[test]
+    fn a_heading_that_walls_do_not_tell_is_open_after_some_scans() {
+        assert_eq!(in_a_round_room(1).open_sigmas(), None);
+        let (_, rad) = in_a_round_room(20).open_sigmas().unwrap();
+        assert!(rad > 0.2, "{rad} rad");
+    }
+
+    #[test]
+    fn while_the_heading_is_open_turning_is_likelier_than_moving_sideways() {
+        let motion = in_a_round_room(20);
+        let information = motion.prior().information.turned(-motion.map_from_scan.theta_rad);
+        // As far as either moves the middle of the room, a quarter of a metre ahead.
+        let (sideways, turning) = ([0.0, 0.02, 0.0], [0.0, 0.0, 0.08]);
+        assert!(information.quadratic(turning) < information.quadratic(sideways));
+    }
+
+    #[test]
+    fn a_heading_found_anew_is_no_turn_of_the_scanner() {
+        let mut motion = in_a_round_room(20);
+        let (before, usual) = (motion.step(), motion.usual);
+        let room = Information::from_sigmas(0.005, 0.005, 0.002);
+        motion.advance(motion.map_from_scan * Pose::new(0.05, 0.0, 0.9), Some(&room));
+        assert_eq!(motion.step(), before);
+        assert!((motion.usual.turn_rad - usual.turn_rad).abs() < 1e-12);
+        assert_eq!(motion.open_sigmas(), None, "it is known now");
     }
 
     #[test]

@@ -68,6 +68,28 @@ impl Speed {
         self.of_both = product(&turn, &self.of_both);
     }
 
+    /// Standard deviations of the last pose, metres and radians.
+    pub fn pose_sigmas(&self) -> (f64, f64) {
+        let [[xx, ..], [_, yy, _], [.., turn]] = self.of_pose;
+        ((0.5 * (xx + yy)).sqrt(), turn.sqrt())
+    }
+
+    /// The information that the next step is the expected one, after a `change` of the speed of this covariance.
+    pub fn step_information(&self, change: &Matrix) -> Option<Information> {
+        let mut rows = self.of_step;
+        add_to(&mut rows, change);
+        add_to(&mut rows, &diagonal(POSE_SIGMA_M, POSE_SIGMA_RAD));
+        let rows = Information { rows }.covariance()?;
+        Some(Information { rows })
+    }
+
+    /// The pose was found anew: how it was missed says nothing of the speed.
+    pub fn found_anew(&mut self, change: &Matrix) {
+        add_to(&mut self.of_step, change);
+        self.of_pose = ZERO;
+        self.of_both = ZERO;
+    }
+
     /// The covariances of the next pose, by the axes of the last.
     fn predict(&mut self, change: &Matrix) {
         add_to(&mut self.of_step, change);
