@@ -5,12 +5,15 @@
 //! (`ways`).
 
 pub(crate) mod graph;
+mod oddity;
 mod recognise;
 mod second_look;
+mod steps_again;
 mod ties;
 pub(crate) mod ways;
 
 pub use recognise::RecogniseSettings;
 pub(crate) use recognise::{Lookup, Recognised, find_in, recognise};
 pub(crate) use second_look::place_again;
+pub(crate) use steps_again::steps_again;
 pub(crate) use ties::ties;

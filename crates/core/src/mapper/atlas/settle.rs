@@ -1,12 +1,12 @@
 //! What is done when no scan follows: poses and walls are adjusted together, and keyframes that the finished map
 //! contradicts are looked for again.
 
-use super::{Atlas, loosened};
+use super::{Atlas, edge_to_next, loosened};
 use crate::adjust::adjusted;
 use crate::align::Information;
 use crate::geometry::{Pose, SideGrid};
 use crate::loops::graph::Edge;
-use crate::loops::place_again;
+use crate::loops::{place_again, steps_again};
 use crate::mapper::Settings;
 use crate::merge::eraser::boxes;
 use crate::merge::growing_map::GrowingMap;
@@ -26,7 +26,8 @@ impl Atlas {
     pub fn settle(&mut self, settings: &Settings) -> (Pose, Vec<usize>) {
         let (newest, before) = self.newest();
         self.adjust(settings);
-        let placed_again = self.look_again(settings);
+        let mut placed_again = self.look_again(settings);
+        placed_again.extend(self.step_again(settings));
         if !placed_again.is_empty() {
             self.optimise();
             self.adjust(settings);
@@ -62,11 +63,29 @@ impl Atlas {
         map.skeleton
     }
 
+    /// Keyframes that were placed when other places came near.
+    fn doubtful(&self) -> Vec<usize> {
+        (0..self.keyframes.len())
+            .filter(|&k| self.keyframes[k].is_doubtful)
+            .collect()
+    }
+
+    /// Measures steps anew that were others than they were believed to be. Returns the scans to which they led.
+    fn step_again(&mut self, settings: &Settings) -> Vec<usize> {
+        let found = steps_again(&self.keyframes, &self.doubtful(), &settings.align);
+        for step in &found {
+            let from = step.to - 1;
+            self.edges.retain(|e| !(e.from == from && e.to == step.to));
+            let there = step.alignment.map_from_scan;
+            let edge = edge_to_next(from, self.pose(from), there, Some(&step.alignment));
+            self.edges.push(edge);
+        }
+        found.iter().map(|s| self.keyframes[s.to].number).collect()
+    }
+
     /// Gives keyframes that lie wrong another place. Returns their scans.
     fn look_again(&mut self, settings: &Settings) -> Vec<usize> {
-        let doubtful: Vec<usize> = (0..self.keyframes.len())
-            .filter(|&k| self.keyframes[k].is_doubtful)
-            .collect();
+        let doubtful = self.doubtful();
         let frame = self.pose(0);
         let found = place_again(
             &mut self.keyframes,
