@@ -17,6 +17,8 @@ const STRETCH_M: f64 = 4.0;
 /// How far from where a keyframe lies, and how far turned, it is looked for, metres and radians.
 const WINDOW_M: f64 = 2.5;
 const WINDOW_RAD: f64 = 0.3;
+/// Share of the beams that must agree afterwards, of those that the other side says something of, as for ties.
+const LEAST_FIT: f64 = 0.7;
 /// Another step is farther off than this, metres or radians: nearer ones are for the adjustment.
 const OTHER_M: f64 = 0.25;
 const OTHER_RAD: f64 = 0.07;
@@ -115,8 +117,10 @@ impl<'a> Seam<'a> {
             .before
             .place
             .alignments(&self.after.views, self.here, (WINDOW_M, WINDOW_RAD), align);
-        let (near, others): (Vec<Alignment>, Vec<Alignment>) =
+        let (near, mut others): (Vec<Alignment>, Vec<Alignment>) =
             found.into_iter().partition(|a| self.is_here(a.map_from_scan));
+        // Along a corridor that tells nothing of the way, any step fits.
+        others.retain(|a| a.unobservable.is_none());
         // Where it was believed to lead, a better alignment counts for that.
         let now = near
             .iter()
@@ -145,6 +149,6 @@ impl Judged {
         let odder_m = self.oddity_m - now.oddity_m;
         let fits_better = better >= LEAST_GAIN && odder_m <= better;
         let is_more_ordinary = better >= 0.0 && odder_m <= -LESS_ODD_M;
-        self.score() >= now.score() && (fits_better || is_more_ordinary)
+        self.agreement.fit() >= LEAST_FIT && self.score() >= now.score() && (fits_better || is_more_ordinary)
     }
 }
