@@ -2,7 +2,7 @@
 //!
 //! Places seen before are recognised and verified (`recognise`), the poses of the keyframes made to agree with all that was
 //! measured between them (`graph`), and keyframes between which little drift has gathered told from the others
-//! (`ways`).
+//! (`ways`). In the end keyframes that lie wrong (`second_look`) and steps that were others (`steps_again`) are put right.
 
 pub(crate) mod graph;
 mod oddity;

@@ -152,3 +152,57 @@ impl Judged {
         self.agreement.fit() >= LEAST_FIT && self.score() >= now.score() && (fits_better || is_more_ordinary)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::keyframe::drawn::{HALL, keyframe};
+
+    /// A walk through the hall; from its seventh scan on all are believed to be 1.2 m farther than they are.
+    fn walk_that_slipped() -> Vec<Keyframe> {
+        (0..15)
+            .map(|k| {
+                let truth = Pose::new(f64::from(k) - 7.0, 0.2, 0.0);
+                let slipped_m = if k >= 6 { 1.2 } else { 0.0 };
+                Keyframe {
+                    map_from_scan: Pose::new(truth.x + slipped_m, truth.y, 0.0),
+                    ..keyframe(HALL, truth)
+                }
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_step_after_which_all_scans_lie_wrong_is_made_again() {
+        let keyframes = walk_that_slipped();
+        let all: Vec<usize> = (0..keyframes.len()).collect();
+        let again = steps_again(&keyframes, &all, &AlignSettings::default());
+        assert_eq!(again.iter().map(|s| s.to).collect::<Vec<_>>(), [6]);
+        let off_m = again[0]
+            .alignment
+            .map_from_scan
+            .distance(Pose::new(-1.0, 0.2, 0.0));
+        assert!(off_m < 0.03, "{off_m}");
+    }
+
+    #[test]
+    fn a_step_that_was_clear_stays_as_it_was() {
+        let keyframes = walk_that_slipped();
+        let others: Vec<usize> = (0..keyframes.len()).filter(|&k| k != 6).collect();
+        assert!(steps_again(&keyframes, &others, &AlignSettings::default()).is_empty());
+    }
+
+    #[test]
+    fn in_a_corridor_that_tells_nothing_of_the_way_a_step_stays_as_it_was() {
+        let walls: &[crate::keyframe::drawn::Wall] =
+            &[&[(-60.0, -1.0), (60.0, -1.0)], &[(60.0, 1.0), (-60.0, 1.0)]];
+        let keyframes: Vec<Keyframe> = (0..15)
+            .map(|k| {
+                let x_m = f64::from(k) + if k >= 6 { 0.6 } else { 0.0 };
+                keyframe(walls, Pose::new(x_m, 0.0, 0.0))
+            })
+            .collect();
+        let all: Vec<usize> = (0..keyframes.len()).collect();
+        assert!(steps_again(&keyframes, &all, &AlignSettings::default()).is_empty());
+    }
+}
