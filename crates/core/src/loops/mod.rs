@@ -2,15 +2,18 @@
 //!
 //! Places seen before are recognised and verified (`recognise`), the poses of the keyframes made to agree with all that was
 //! measured between them (`graph`), and keyframes between which little drift has gathered told from the others
-//! (`ways`).
+//! (`ways`). In the end keyframes that lie wrong (`second_look`) and steps that were others (`steps_again`) are put right.
 
 pub(crate) mod graph;
+mod oddity;
 mod recognise;
 mod second_look;
+mod steps_again;
 mod ties;
 pub(crate) mod ways;
 
 pub use recognise::RecogniseSettings;
 pub(crate) use recognise::{Lookup, Recognised, find_in, recognise};
 pub(crate) use second_look::place_again;
+pub(crate) use steps_again::steps_again;
 pub(crate) use ties::ties;

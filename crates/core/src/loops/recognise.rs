@@ -4,7 +4,7 @@
 //! of the last metres fit the old place in exactly one way. A closure taken wrongly ruins a map, one missed is found
 //! a metre later: every test errs on the side of no.
 
-use crate::align::{AlignSettings, Guess, SidePoint, align_to_grid};
+use crate::align::{AlignSettings, Alignment, Guess, SidePoint, align_to_grid};
 use crate::geometry::{Point, Pose, SideGrid, wrap_rad};
 use crate::keyframe::Keyframe;
 use crate::loops::graph::Edge;
@@ -202,7 +202,7 @@ const NEARER_FIT: f64 = 0.05;
 const SAME_VIEW_M: f64 = 3.0;
 
 /// Keyframes within `stretch_m` of path of keyframe `middle`, some half a metre apart.
-fn stretch(
+pub(super) fn stretch(
     keyframes: &[Keyframe],
     middle: usize,
     stretch_m: f64,
@@ -272,6 +272,42 @@ impl Place {
         Self { sides }
     }
 
+    /// Poses `(half_m, half_rad)` around `here` from which the views lie on this place's walls, aligned from and held by where the
+    /// search found them; `here` is one of them if it can be aligned.
+    pub fn alignments(
+        &self,
+        views: &[View],
+        here: Pose,
+        (half_m, half_rad): (f64, f64),
+        align: &AlignSettings,
+    ) -> Vec<Alignment> {
+        let points = points_of(views);
+        let reach_m = points.iter().map(|p| p.point.norm()).fold(0.0, f64::max) + half_m;
+        let sides = self.sides.sides().map(|s| s.segment);
+        let Some(field) = Field::new(sides, here.translation(), reach_m) else {
+            return Vec::new();
+        };
+        let window = Window {
+            centre: here,
+            half_m,
+            half_rad,
+            wanted: 8,
+            min_score: 0.2,
+        };
+        let found = search(&field, &sparse(&points), &window);
+        let poses = found.iter().map(|c| c.map_from_scan).chain([here]);
+        let aligned = |map_from_scan| {
+            let guess = Guess {
+                map_from_scan,
+                sigma_m: 0.07,
+                sigma_rad: 0.02,
+            };
+            let prior = guess.prior();
+            align_to_grid(&points, &self.sides, |_, _| true, &guess, Some(&prior), align)
+        };
+        poses.filter_map(aligned).collect()
+    }
+
     /// The newest keyframe's pose by this place, if the recent scans fit it in one way only.
     pub fn locate(
         &self,
@@ -281,10 +317,7 @@ impl Place {
         align: &AlignSettings,
         settings: &RecogniseSettings,
     ) -> Option<Matched> {
-        let points: Vec<SidePoint> = views
-            .iter()
-            .flat_map(|v| v.points_in(v.newest_from_scan))
-            .collect();
+        let points = points_of(views);
         let reach_m = points.iter().map(|p| p.point.norm()).fold(0.0, f64::max) + drift.window_m;
         let field = Field::new(self.sides.sides().map(|s| s.segment), here.translation(), reach_m)?;
         let window = Window {
@@ -294,21 +327,20 @@ impl Place {
             wanted: 4,
             min_score: 0.3,
         };
-        let mut fits: Vec<(f64, Agreement, crate::align::Alignment)> =
-            search(&field, &sparse(&points), &window)
-                .iter()
-                .filter_map(|candidate| {
-                    let guess = Guess {
-                        map_from_scan: candidate.map_from_scan,
-                        sigma_m: 0.07,
-                        sigma_rad: 0.02,
-                    };
-                    let alignment = align_to_grid(&points, &self.sides, |_, _| true, &guess, None, align)?;
-                    let agreement = self.agreement(views, alignment.map_from_scan);
-                    let loss = LOSS_PER_SQUARE * drift.squares(alignment.map_from_scan, here);
-                    Some((agreement.score() - loss, agreement, alignment))
-                })
-                .collect();
+        let mut fits: Vec<(f64, Agreement, Alignment)> = search(&field, &sparse(&points), &window)
+            .iter()
+            .filter_map(|candidate| {
+                let guess = Guess {
+                    map_from_scan: candidate.map_from_scan,
+                    sigma_m: 0.07,
+                    sigma_rad: 0.02,
+                };
+                let alignment = align_to_grid(&points, &self.sides, |_, _| true, &guess, None, align)?;
+                let agreement = self.agreement(views, alignment.map_from_scan);
+                let loss = LOSS_PER_SQUARE * drift.squares(alignment.map_from_scan, here);
+                Some((agreement.score() - loss, agreement, alignment))
+            })
+            .collect();
         fits.sort_by(|a, b| b.0.total_cmp(&a.0));
         let (score, agreement, alignment) = *fits.first()?;
         let pose = alignment.map_from_scan;
@@ -409,6 +441,14 @@ impl<'a> View<'a> {
             ..*p
         })
     }
+}
+
+/// What the views show, seen from the newest keyframe.
+fn points_of(views: &[View]) -> Vec<SidePoint> {
+    views
+        .iter()
+        .flat_map(|v| v.points_in(v.newest_from_scan))
+        .collect()
 }
 
 /// Points to search with: thinned, and no more than a few hundred.

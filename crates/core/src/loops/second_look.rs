@@ -5,6 +5,7 @@
 //! the end what all others saw, before and after, tells how well it lies, and the few that lie worst are looked for anew.
 
 use super::graph::Edge;
+use super::oddity::oddity;
 use super::recognise::{Drift, Place, RecogniseSettings, View};
 use crate::align::AlignSettings;
 use crate::geometry::{Pose, wrap_rad};
@@ -17,17 +18,13 @@ const SAME_VIEW_M: f64 = 6.0;
 const MOST_WITNESSES: usize = 12;
 /// No more than one keyframe in ten gets a second look. (In three logs, wrong ones were among the worst twelfth.)
 const ONE_IN: usize = 10;
-/// A keyframe that agrees so well lies right, [`Agreement::score`](crate::place::Agreement::score).
-const RIGHT_SCORE: f64 = 0.8;
 /// How far from where it lies a keyframe is looked for, metres.
 const WINDOW_M: f64 = 2.5;
 /// The other place is farther off than this, metres or radians: nearer ones are for the adjustment.
 const OTHER_M: f64 = 0.25;
 const OTHER_RAD: f64 = 0.07;
-/// By how much it agrees better.
+/// By how much it agrees better, [`Agreement::score`](crate::place::Agreement::score), at most 1.
 const LEAST_GAIN: f64 = 0.1;
-/// Other steps of the log that must be like a step for it to be an ordinary one.
-const LIKE_IT: usize = 5;
 
 /// Gives the doubtful keyframes that lie wrong another place. Returns an edge to each (`to`) from one that saw the same.
 pub(crate) fn place_again(
@@ -45,7 +42,7 @@ pub(crate) fn place_again(
     let mut waiting: Vec<Edge> = worst
         .iter()
         .take(few)
-        .filter(|w| w.0 < RIGHT_SCORE)
+        .filter(|w| w.0 < 1.0 - LEAST_GAIN)
         .filter_map(|&(score, k)| other_place(keyframes, k, score, align, settings))
         .collect();
     let mut placed = Vec::new();
@@ -65,7 +62,7 @@ fn there(keyframes: &[Keyframe], edge: &Edge) -> Pose {
 /// Whether the steps to and from a keyframe become no odder by an edge. A scanner moves as it has moved elsewhere.
 fn is_likelier(keyframes: &[Keyframe], edge: &Edge) -> bool {
     let now = keyframes[edge.to].map_from_scan;
-    oddity(keyframes, edge.to, there(keyframes, edge)) <= oddity(keyframes, edge.to, now)
+    oddity_at(keyframes, edge.to, there(keyframes, edge)) <= oddity_at(keyframes, edge.to, now)
 }
 
 /// Keyframes that saw what keyframe `k` saw, nearest first.
@@ -118,28 +115,15 @@ fn other_place(
     })
 }
 
-/// How unlike all other steps of the log those to and from keyframe `k` would be if it lay at `pose`, metres (1 rad counts
-/// as 1 m).
-fn oddity(keyframes: &[Keyframe], k: usize, pose: Pose) -> f64 {
-    let step = |from: usize| keyframes[from].map_from_scan.inverse() * keyframes[from + 1].map_from_scan;
+/// How unlike all other steps of the log those to and from keyframe `k` would be if it lay at `pose`, metres.
+fn oddity_at(keyframes: &[Keyframe], k: usize, pose: Pose) -> f64 {
     let to = k
         .checked_sub(1)
         .map(|b| keyframes[b].map_from_scan.inverse() * pose);
     let from = keyframes.get(k + 1).map(|a| pose.inverse() * a.map_from_scan);
-    let others: Vec<Pose> = (0..keyframes.len() - 1)
-        .filter(|j| j.abs_diff(k) > ACCOMPLICES)
-        .map(step)
-        .collect();
     to.into_iter()
         .chain(from)
-        .map(|s| {
-            let mut unlike: Vec<f64> = others
-                .iter()
-                .map(|o| s.distance(*o) + wrap_rad(s.theta_rad - o.theta_rad).abs())
-                .collect();
-            unlike.sort_by(f64::total_cmp);
-            unlike.get(LIKE_IT - 1).copied().unwrap_or(f64::INFINITY)
-        })
+        .map(|step| oddity(keyframes, k, step))
         .sum()
 }
 

@@ -1,12 +1,12 @@
-//! What is done when no scan follows: poses and walls are adjusted together, and keyframes that the finished map
-//! contradicts are looked for again.
+//! What is done when no scan follows: keyframes that the finished map contradicts are looked for again, steps that were
+//! doubtful are judged by what was seen on both sides, and poses and walls are adjusted together.
 
-use super::{Atlas, loosened};
+use super::{Atlas, edge_to_next, loosened};
 use crate::adjust::adjusted;
 use crate::align::Information;
 use crate::geometry::{Pose, SideGrid};
 use crate::loops::graph::Edge;
-use crate::loops::place_again;
+use crate::loops::{place_again, steps_again};
 use crate::mapper::Settings;
 use crate::merge::eraser::boxes;
 use crate::merge::growing_map::GrowingMap;
@@ -21,16 +21,19 @@ const LOOSE_M: f64 = 1.0;
 const LOOSE_RAD: f64 = 1.0;
 
 impl Atlas {
-    /// Adjusts poses and walls, and once more if a keyframe was given another place. Returns the motion of the map frame
-    /// that the newest keyframe has made, and the scans that were placed again.
+    /// Gives keyframes another place that lie wrong, and adjusts poses and walls. (Adjusted before as well, the same are
+    /// found, and it takes twice the time.) Returns the motion of the map frame that the newest keyframe has made, and the
+    /// scans that were placed again.
     pub fn settle(&mut self, settings: &Settings) -> (Pose, Vec<usize>) {
         let (newest, before) = self.newest();
-        self.adjust(settings);
-        let placed_again = self.look_again(settings);
+        let mut placed_again = self.look_again(settings);
+        placed_again.extend(self.step_again(settings));
         if !placed_again.is_empty() {
+            placed_again.sort_unstable();
+            placed_again.dedup();
             self.optimise();
-            self.adjust(settings);
         }
+        self.adjust(settings);
         self.has_moved = true;
         (self.pose(newest) * before.inverse(), placed_again)
     }
@@ -62,11 +65,29 @@ impl Atlas {
         map.skeleton
     }
 
+    /// Keyframes that were placed when other places came near.
+    fn doubtful(&self) -> Vec<usize> {
+        (0..self.keyframes.len())
+            .filter(|&k| self.keyframes[k].is_doubtful)
+            .collect()
+    }
+
+    /// Measures steps anew that were others than they were believed to be. Returns the scans to which they led.
+    fn step_again(&mut self, settings: &Settings) -> Vec<usize> {
+        let found = steps_again(&self.keyframes, &self.doubtful(), &settings.align);
+        for step in &found {
+            let from = step.to - 1;
+            self.edges.retain(|e| !(e.from == from && e.to == step.to));
+            let there = step.alignment.map_from_scan;
+            let edge = edge_to_next(from, self.pose(from), there, Some(&step.alignment));
+            self.edges.push(edge);
+        }
+        found.iter().map(|s| self.keyframes[s.to].number).collect()
+    }
+
     /// Gives keyframes that lie wrong another place. Returns their scans.
     fn look_again(&mut self, settings: &Settings) -> Vec<usize> {
-        let doubtful: Vec<usize> = (0..self.keyframes.len())
-            .filter(|&k| self.keyframes[k].is_doubtful)
-            .collect();
+        let doubtful = self.doubtful();
         let frame = self.pose(0);
         let found = place_again(
             &mut self.keyframes,
