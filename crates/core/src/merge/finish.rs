@@ -2,11 +2,12 @@
 //!
 //! In: keyframes and eraser boxes. Out: the map. All keyframes are merged in order; what their beams looked through is
 //! taken out, with the evidence of the whole log instead of the past alone; polylines that lie on others are merged
-//! into them; all are laid on the returns (`refit`) and traced anew where no return lies on them (`retrace`); each is divided into sides anew and its sides fitted.
+//! into them; all are laid on the returns (`refit`) and traced anew where no return lies on them (`retrace`); stubs go; each is divided into sides anew and its sides fitted.
 
 use super::growing_map::{GrowingMap, GrowingPolyline, SIDE_PENALTY, Vertex};
 use super::refit::refit;
 use super::retrace::retrace;
+use super::stubs::clear_stubs;
 use super::{MergeSettings, merge_all, sight};
 use crate::extract::simplify_chain;
 use crate::geometry::Point;
@@ -25,6 +26,7 @@ pub(crate) fn finish(keyframes: &[Keyframe], eraser_boxes: Vec<EraserBox>, setti
     cut_gaps(&mut map);
     let covered = refit(&mut map, keyframes, settings);
     retrace(&mut map, &covered, keyframes, settings);
+    clear_stubs(&mut map, settings);
     let mut out = Map {
         polylines: Vec::new(),
         eraser_boxes,

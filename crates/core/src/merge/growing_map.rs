@@ -128,6 +128,11 @@ impl GrowingMap {
         self.slots.get(slot as usize)?.as_deref()
     }
 
+    /// The number of slots, with a polyline or without.
+    pub fn slots(&self) -> u32 {
+        self.slots.len() as u32
+    }
+
     /// Every polyline with its slot, slots ascending.
     pub fn polylines(&self) -> impl Iterator<Item = (u32, &GrowingPolyline)> {
         (0_u32..)

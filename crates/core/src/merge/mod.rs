@@ -18,6 +18,7 @@ mod sharp;
 mod sight;
 mod simulate;
 mod splice;
+mod stubs;
 #[cfg(test)]
 mod tests;
 

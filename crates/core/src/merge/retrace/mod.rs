@@ -10,6 +10,8 @@
 mod returns;
 mod tip;
 
+use std::ops::Range;
+
 use returns::Returns;
 use tip::Tip;
 
@@ -26,8 +28,6 @@ const LEAST_GAP_M: f64 = 0.1;
 const LONGEST_FACE_M: f64 = 1.5;
 /// Walls are drawn on by the gap and this, metres.
 const MOST_BEYOND_M: f64 = 0.3;
-/// And not where another polyline is as near as this, metres.
-const TAKEN_M: f64 = 0.1;
 
 /// Traces every polyline anew where returns do not cover it.
 pub(crate) fn retrace(
@@ -40,7 +40,7 @@ pub(crate) fn retrace(
     let places = lines.iter().flat_map(Line::gap_points);
     let returns = Returns::near(places, keyframes);
     for line in lines {
-        let pieces = line.traced(map, &returns, settings.spacing_m);
+        let pieces = line.traced(map, &returns, settings);
         map.replace_by(line.slot, pieces.into_iter());
         // The next is not to be drawn on to where this one now is.
         map.refresh_skeletons(settings.skeleton_sigma_m);
@@ -76,41 +76,38 @@ impl Line {
     }
 
     /// The covered stretches, drawn on and joined where returns say so.
-    fn traced(&self, map: &GrowingMap, returns: &Returns, spacing_m: f64) -> Vec<Vec<Vertex>> {
+    fn traced(&self, map: &GrowingMap, returns: &Returns, settings: &MergeSettings) -> Vec<Vec<Vertex>> {
+        let stretches = self.stretches();
         let mut pieces: Vec<Vec<Vertex>> = Vec::new();
-        let mut before = self.vertices[..self.gaps[0].0].to_vec();
-        for (k, &(from, to)) in self.gaps.iter().enumerate() {
-            let next = self.gaps.get(k + 1).map_or(self.vertices.len(), |gap| gap.0);
-            let mut after = self.vertices[to..next].to_vec();
-            let gap_m = match (before.last(), after.first()) {
-                (Some(a), Some(b)) => a.point.distance(b.point),
-                _ => self.vertices[from].point.distance(self.vertices[to - 1].point),
-            };
+        let mut before = self.vertices[stretches[0].clone()].to_vec();
+        for (two, &(from, to)) in stretches.windows(2).zip(&self.gaps) {
+            let mut after = self.vertices[two[1].clone()].to_vec();
             after.reverse();
-            let drawn_on = |wall: &[Vertex]| {
+            let (first, last) = (from.saturating_sub(1), to.min(self.vertices.len() - 1));
+            let gap_m = self.vertices[first].point.distance(self.vertices[last].point);
+            let drawn_on = |wall: &[Vertex], stretch: &Range<usize>, sense: f64| {
                 let mut tip = Tip::of(wall)?;
-                tip.carry_on(returns, gap_m + MOST_BEYOND_M, |place, direction| {
-                    other_is_at(map, self.slot, place, direction)
+                tip.carry_on(returns, gap_m + MOST_BEYOND_M, |place, outwards| {
+                    let near = near(outwards * sense, settings.gate_m);
+                    self.is_at(stretches.iter().filter(|s| *s != stretch), &near, place)
+                        || other_is_at(map, self.slot, &near, place)
                 });
                 Some(tip)
             };
-            let is_joined = match (drawn_on(&before), drawn_on(&after)) {
-                (Some(mut a), Some(mut b)) => {
-                    a.stop_at(&mut b);
-                    let is_joined = a.meets(&mut b) || has_face(a.end(), b.end(), returns);
-                    a.draw_on(&mut before, spacing_m);
-                    b.draw_on(&mut after, spacing_m);
-                    is_joined
+            let mut a = drawn_on(&before, &two[0], 1.0);
+            let mut b = drawn_on(&after, &two[1], -1.0);
+            let is_joined = match (&mut a, &mut b) {
+                (Some(a), Some(b)) => {
+                    a.stop_at(b);
+                    a.meets(b) || has_face(a.end(), b.end(), returns)
                 }
-                (a, b) => {
-                    a.iter().for_each(|a| a.draw_on(&mut before, spacing_m));
-                    b.iter().for_each(|b| b.draw_on(&mut after, spacing_m));
-                    false
-                }
+                _ => false,
             };
+            a.iter().for_each(|a| a.draw_on(&mut before, settings.spacing_m));
+            b.iter().for_each(|b| b.draw_on(&mut after, settings.spacing_m));
             after.reverse();
             if is_joined {
-                join(&mut before, &after, spacing_m);
+                join(&mut before, &after, settings.spacing_m);
             } else {
                 pieces.push(std::mem::replace(&mut before, after));
             }
@@ -118,6 +115,40 @@ impl Line {
         pieces.push(before);
         pieces.retain(|piece| piece.len() > 1);
         pieces
+    }
+
+    /// The vertices before, between and after the gaps.
+    fn stretches(&self) -> Vec<Range<usize>> {
+        let starts = std::iter::once(0).chain(self.gaps.iter().map(|gap| gap.1));
+        let ends = self.gaps.iter().map(|gap| gap.0).chain([self.vertices.len()]);
+        starts.zip(ends).map(|(start, end)| start..end).collect()
+    }
+
+    /// Whether one of some stretches stands at a place and runs the same way.
+    fn is_at<'a>(
+        &self,
+        mut stretches: impl Iterator<Item = &'a Range<usize>>,
+        near: &Near,
+        place: Point,
+    ) -> bool {
+        let stands = |two: &[Vertex]| {
+            let (a, b) = (two[0].point, two[1].point);
+            let runs_along = (b - a)
+                .unit()
+                .is_some_and(|along| along.dot(near.direction) >= near.min_cos);
+            runs_along && a.distance(place) <= near.max_distance_m
+        };
+        stretches.any(|stretch| self.vertices[stretch.clone()].windows(2).any(stands))
+    }
+}
+
+/// What stands at a place already, facing the same way.
+fn near(direction: Point, gate_m: f64) -> Near {
+    Near {
+        direction,
+        min_cos: MIN_COS,
+        max_distance_m: gate_m,
+        beyond_ends: true,
     }
 }
 
@@ -139,16 +170,10 @@ fn gaps(vertices: &[Vertex], covered: &[bool]) -> Vec<(usize, usize)> {
     gaps
 }
 
-/// Whether another polyline stands where a wall would be drawn on to.
-fn other_is_at(map: &GrowingMap, slot: u32, place: Point, direction: Point) -> bool {
-    let near = Near {
-        direction,
-        min_cos: MIN_COS,
-        max_distance_m: TAKEN_M,
-        beyond_ends: true,
-    };
+/// Whether another polyline stands at a place and runs the same way.
+fn other_is_at(map: &GrowingMap, slot: u32, near: &Near, place: Point) -> bool {
     let mut reader = map.skeleton.reader();
-    reader.nearest(place, &near, |owner| owner != slot).is_some()
+    reader.nearest(place, near, |owner| owner != slot).is_some()
 }
 
 /// Whether returns cover the face between the ends of two walls; ends that touch need none.

@@ -13,9 +13,9 @@ const LEFT_OUT: usize = 1;
 const STRAIGHT_M: f64 = 0.012;
 /// A straight end is at least this long, metres.
 const LEAST_LENGTH_M: f64 = 0.06;
-/// Returns that carry a wall on, at the least, and how far apart they may lie, metres.
+/// Returns that carry a wall on, at the least, and how far apart they may lie beside what each stands for, metres.
 const LEAST_RETURNS: usize = 3;
-const APART_M: f64 = 0.12;
+const APART_M: f64 = 0.04;
 /// Walls whose lines are no farther apart than this are one wall, metres.
 const IN_LINE_M: f64 = 0.1;
 /// Sine of the least angle at which two walls meet: 10°.
@@ -49,7 +49,7 @@ impl Tip {
         let mut count = 0;
         let on_wall = returns.along(self.from, self.direction, most_m);
         for on in on_wall.into_iter().filter(|on| on.runs_along) {
-            let is_apart = on.along_m > reached_m + APART_M;
+            let is_apart = on.along_m > reached_m + APART_M + on.spread_m;
             if is_apart || is_taken(self.from + self.direction * on.along_m, self.direction) {
                 break;
             }
