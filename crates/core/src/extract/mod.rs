@@ -31,6 +31,7 @@ use crate::scan::Scan;
 
 pub use chain::simplify_chain;
 pub use evolve::{Stop, evolve, evolve_by, relevance_m};
+pub(crate) use fit::Sums;
 pub use group::GroupSettings;
 pub use noise::{NOISE_DEFAULT_M, NOISE_FLOOR_M, RunningNoise, estimate_noise_m};
 

@@ -4,6 +4,7 @@
 //! measured between them (`graph`), and keyframes between which little drift has gathered told from the others
 //! (`ways`). In the end keyframes that lie wrong (`second_look`) and steps that were others (`steps_again`) are put right.
 
+mod elsewhere;
 pub(crate) mod graph;
 mod oddity;
 mod recognise;

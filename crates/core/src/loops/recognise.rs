@@ -272,6 +272,17 @@ impl Place {
         Self { sides }
     }
 
+    /// Poses in a window from which returns lie on this place's walls, best first.
+    fn found(&self, points: &[SidePoint], window: &Window) -> Vec<Pose> {
+        let reach_m = points.iter().map(|p| p.point.norm()).fold(0.0, f64::max) + window.half_m;
+        let sides = self.sides.sides().map(|s| s.segment);
+        let Some(field) = Field::new(sides, window.centre.translation(), reach_m) else {
+            return Vec::new();
+        };
+        let candidates = search(&field, &sparse(points), window);
+        candidates.into_iter().map(|c| c.map_from_scan).collect()
+    }
+
     /// Poses `(half_m, half_rad)` around `here` from which the views lie on this place's walls, aligned from and held by where the
     /// search found them; `here` is one of them if it can be aligned.
     pub fn alignments(
@@ -282,11 +293,6 @@ impl Place {
         align: &AlignSettings,
     ) -> Vec<Alignment> {
         let points = points_of(views);
-        let reach_m = points.iter().map(|p| p.point.norm()).fold(0.0, f64::max) + half_m;
-        let sides = self.sides.sides().map(|s| s.segment);
-        let Some(field) = Field::new(sides, here.translation(), reach_m) else {
-            return Vec::new();
-        };
         let window = Window {
             centre: here,
             half_m,
@@ -294,8 +300,7 @@ impl Place {
             wanted: 8,
             min_score: 0.2,
         };
-        let found = search(&field, &sparse(&points), &window);
-        let poses = found.iter().map(|c| c.map_from_scan).chain([here]);
+        let poses = self.found(&points, &window).into_iter().chain([here]);
         let aligned = |map_from_scan| {
             let guess = Guess {
                 map_from_scan,
@@ -318,8 +323,6 @@ impl Place {
         settings: &RecogniseSettings,
     ) -> Option<Matched> {
         let points = points_of(views);
-        let reach_m = points.iter().map(|p| p.point.norm()).fold(0.0, f64::max) + drift.window_m;
-        let field = Field::new(self.sides.sides().map(|s| s.segment), here.translation(), reach_m)?;
         let window = Window {
             centre: here,
             half_m: drift.window_m,
@@ -327,11 +330,12 @@ impl Place {
             wanted: 4,
             min_score: 0.3,
         };
-        let mut fits: Vec<(f64, Agreement, Alignment)> = search(&field, &sparse(&points), &window)
-            .iter()
-            .filter_map(|candidate| {
+        let mut fits: Vec<(f64, Agreement, Alignment)> = self
+            .found(&points, &window)
+            .into_iter()
+            .filter_map(|map_from_scan| {
                 let guess = Guess {
-                    map_from_scan: candidate.map_from_scan,
+                    map_from_scan,
                     sigma_m: 0.07,
                     sigma_rad: 0.02,
                 };
@@ -381,11 +385,6 @@ impl Place {
             return false;
         }
         let half_m = 0.5 * far.distance(here);
-        let reach_m = points.iter().map(|p| p.point.norm()).fold(0.0, f64::max) + half_m;
-        let Some(field) = Field::new(self.sides.sides().map(|s| s.segment), here.translation(), reach_m)
-        else {
-            return false;
-        };
         let window = Window {
             centre: here,
             half_m,
@@ -398,8 +397,8 @@ impl Place {
             sigma_m,
             sigma_rad: 0.02,
         };
-        let found = search(&field, &sparse(points), &window);
-        let guesses = found.iter().map(|c| guess(c.map_from_scan, 0.07));
+        let found = self.found(points, &window);
+        let guesses = found.into_iter().map(|pose| guess(pose, 0.07));
         guesses.chain([guess(here, 0.15)]).any(|guess| {
             let Some(alignment) = align_to_grid(points, &self.sides, |_, _| true, &guess, None, align) else {
                 return false;

@@ -4,11 +4,12 @@
 //! the same. When a scan was placed, the map around was all there was to judge it by; a scan at the beginning of a corridor had nothing. In
 //! the end what all others saw, before and after, tells how well it lies, and the few that lie worst are looked for anew.
 
+use super::elsewhere::{WINDOW_M, is_elsewhere};
 use super::graph::Edge;
 use super::oddity::oddity;
 use super::recognise::{Drift, Place, RecogniseSettings, View};
 use crate::align::AlignSettings;
-use crate::geometry::{Pose, wrap_rad};
+use crate::geometry::Pose;
 use crate::keyframe::Keyframe;
 
 /// Keyframes so near in the log do not bear witness: they may be wrong together.
@@ -18,11 +19,6 @@ const SAME_VIEW_M: f64 = 6.0;
 const MOST_WITNESSES: usize = 12;
 /// No more than one keyframe in ten gets a second look. (In three logs, wrong ones were among the worst twelfth.)
 const ONE_IN: usize = 10;
-/// How far from where it lies a keyframe is looked for, metres.
-const WINDOW_M: f64 = 2.5;
-/// The other place is farther off than this, metres or radians: nearer ones are for the adjustment.
-const OTHER_M: f64 = 0.25;
-const OTHER_RAD: f64 = 0.07;
 /// By how much it agrees better, [`Agreement::score`](crate::place::Agreement::score), at most 1.
 const LEAST_GAIN: f64 = 0.1;
 
@@ -101,12 +97,10 @@ fn other_place(
     let views = [View::new(&keyframes[k], here)];
     let found = place.locate(&views, here, Drift::anywhere(WINDOW_M), align, settings)?;
     let pose = found.map_from_scan;
-    let is_other =
-        pose.distance(here) > OTHER_M || wrap_rad(pose.theta_rad - here.theta_rad).abs() > OTHER_RAD;
     let gain = place.agreement(&views, pose).score() - score;
     let from = *witnesses.first()?;
     let map_from_witness = keyframes[from].map_from_scan;
-    (is_other && gain >= LEAST_GAIN).then(|| Edge {
+    (is_elsewhere(pose, here) && gain >= LEAST_GAIN).then(|| Edge {
         from,
         to: k,
         motion: map_from_witness.inverse() * pose,

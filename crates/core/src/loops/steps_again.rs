@@ -5,23 +5,20 @@
 //! niches lets it slip by one of them; the scans that follow slip along, and no scan by itself lies wrong among its
 //! neighbours. Afterwards the scans of the next metres tell, too, and those of the metres before are matched with them.
 
+use super::elsewhere::{WINDOW_M, is_elsewhere};
 use super::oddity::oddity;
 use super::recognise::{Place, View, stretch};
 use crate::align::{AlignSettings, Alignment};
-use crate::geometry::{Pose, wrap_rad};
+use crate::geometry::Pose;
 use crate::keyframe::Keyframe;
 use crate::place::judge::Agreement;
 
 /// Way on either side of a step whose scans are compared, metres (a turn by 1 rad counts as one).
 const STRETCH_M: f64 = 4.0;
-/// How far from where a keyframe lies, and how far turned, it is looked for, metres and radians.
-const WINDOW_M: f64 = 2.5;
+/// How far turned a keyframe is looked for, radians.
 const WINDOW_RAD: f64 = 0.3;
 /// Share of the beams that must agree afterwards, of those that the other side says something of, as for ties.
 const LEAST_FIT: f64 = 0.7;
-/// Another step is farther off than this, metres or radians: nearer ones are for the adjustment.
-const OTHER_M: f64 = 0.25;
-const OTHER_RAD: f64 = 0.07;
 /// By how much the scans fit better after it, [`Agreement::fit`]. It may be odder, metres, by no more than they fit better: most
 /// poses that fit better by chance go back where the scanner came from, because there all is known.
 const LEAST_GAIN: f64 = 0.05;
@@ -117,8 +114,9 @@ impl<'a> Seam<'a> {
             .before
             .place
             .alignments(&self.after.views, self.here, (WINDOW_M, WINDOW_RAD), align);
-        let (near, mut others): (Vec<Alignment>, Vec<Alignment>) =
-            found.into_iter().partition(|a| self.is_here(a.map_from_scan));
+        let (mut others, near): (Vec<Alignment>, Vec<Alignment>) = found
+            .into_iter()
+            .partition(|a| is_elsewhere(a.map_from_scan, self.here));
         // Along a corridor that tells nothing of the way, any step fits.
         others.retain(|a| a.unobservable.is_none());
         // Where it was believed to lead, a better alignment counts for that.
@@ -132,10 +130,6 @@ impl<'a> Seam<'a> {
             .filter(|(judged, _)| judged.outdoes(&now))
             .max_by(|a, b| a.0.score().total_cmp(&b.0.score()))
             .map(|best| best.1)
-    }
-
-    fn is_here(&self, pose: Pose) -> bool {
-        pose.distance(self.here) < OTHER_M && wrap_rad(pose.theta_rad - self.here.theta_rad).abs() < OTHER_RAD
     }
 }
 

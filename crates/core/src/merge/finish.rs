@@ -2,7 +2,8 @@
 //!
 //! In: keyframes and eraser boxes. Out: the map. All keyframes are merged in order; what their beams looked through is
 //! taken out, with the evidence of the whole log instead of the past alone; polylines that lie on others are merged
-//! into them; all are laid on the returns (`refit`) and traced anew where no return lies on them (`retrace`); stubs go; each is divided into sides anew and its sides fitted.
+//! into them; all are laid on the returns (`refit`) and traced anew where no return lies on them (`retrace`); stubs go; each
+//! is divided into sides anew and its sides fitted.
 
 use super::growing_map::{GrowingMap, GrowingPolyline, SIDE_PENALTY, Vertex};
 use super::refit::refit;

@@ -87,10 +87,12 @@ impl Line {
             let gap_m = self.vertices[first].point.distance(self.vertices[last].point);
             let drawn_on = |wall: &[Vertex], stretch: &Range<usize>, sense: f64| {
                 let mut tip = Tip::of(wall)?;
+                let mut others = map.skeleton.reader();
+                let is_other = |owner: u32| owner != self.slot;
                 tip.carry_on(returns, gap_m + MOST_BEYOND_M, |place, outwards| {
                     let near = near(outwards * sense, settings.gate_m);
                     self.is_at(stretches.iter().filter(|s| *s != stretch), &near, place)
-                        || other_is_at(map, self.slot, &near, place)
+                        || others.nearest(place, &near, is_other).is_some()
                 });
                 Some(tip)
             };
@@ -133,10 +135,8 @@ impl Line {
     ) -> bool {
         let stands = |two: &[Vertex]| {
             let (a, b) = (two[0].point, two[1].point);
-            let runs_along = (b - a)
-                .unit()
-                .is_some_and(|along| along.dot(near.direction) >= near.min_cos);
-            runs_along && a.distance(place) <= near.max_distance_m
+            let runs_along = |along: Point| along.dot(near.direction) >= near.min_cos;
+            a.distance(place) <= near.max_distance_m && (b - a).unit().is_some_and(runs_along)
         };
         stretches.any(|stretch| self.vertices[stretch.clone()].windows(2).any(stands))
     }
@@ -168,12 +168,6 @@ fn gaps(vertices: &[Vertex], covered: &[bool]) -> Vec<(usize, usize)> {
         from = to;
     }
     gaps
-}
-
-/// Whether another polyline stands at a place and runs the same way.
-fn other_is_at(map: &GrowingMap, slot: u32, near: &Near, place: Point) -> bool {
-    let mut reader = map.skeleton.reader();
-    reader.nearest(place, near, |owner| owner != slot).is_some()
 }
 
 /// Whether returns cover the face between the ends of two walls; ends that touch need none.

@@ -1,5 +1,5 @@
 use super::*;
-use crate::geometry::Pose;
+use crate::geometry::{Pose, Segment};
 use crate::keyframe::drawn::{Wall, keyframe};
 use crate::merge::refit::refit;
 
@@ -16,7 +16,7 @@ const ROOM: Wall = &[
     (3.0, 2.0),
 ];
 
-/// The lower wall as drawn by scans that saw nothing of the cupboard's right side, or `with_face`.
+/// The lower wall with a slant across the corner to the right of the cupboard, traced by scans from these places.
 fn traced(poses_x_m: &[f64]) -> Vec<Vec<Point>> {
     let keyframes: Vec<Keyframe> = poses_x_m
         .iter()
@@ -45,7 +45,7 @@ fn off_walls_m(lines: &[Vec<Point>]) -> f64 {
     let is_off = |p: Point| {
         ROOM.windows(2).all(|side| {
             let (a, b) = (Point::new(side[0].0, side[0].1), Point::new(side[1].0, side[1].1));
-            crate::geometry::Segment::new(a, b).distance(p) > 0.03
+            Segment::new(a, b).distance(p) > 0.03
         })
     };
     let sides = lines.iter().flat_map(|line| line.windows(2));

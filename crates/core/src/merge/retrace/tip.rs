@@ -1,6 +1,7 @@
 //! The end of a wall at a gap, and how far it goes on.
 
 use super::returns::Returns;
+use crate::extract::Sums;
 use crate::geometry::Point;
 use crate::merge::growing_map::Vertex;
 use crate::merge::on_sides::MIN_COS;
@@ -44,7 +45,12 @@ impl Tip {
     }
 
     /// Finds how far returns carry it on, up to `most_m`, and not where `is_taken` says that something else stands (place, direction).
-    pub fn carry_on(&mut self, returns: &Returns, most_m: f64, is_taken: impl Fn(Point, Point) -> bool) {
+    pub fn carry_on(
+        &mut self,
+        returns: &Returns,
+        most_m: f64,
+        mut is_taken: impl FnMut(Point, Point) -> bool,
+    ) {
         let mut reached_m = 0.0;
         let mut count = 0;
         let on_wall = returns.along(self.from, self.direction, most_m);
@@ -107,28 +113,19 @@ impl Tip {
     }
 }
 
-/// The straight through vertices, by total least squares; `None` when they do not lie on one.
+/// The straight through vertices; `None` when they do not lie on one.
 fn fitted(end: &[Vertex]) -> Option<Tip> {
     let (first, last) = (end.first()?.point, end.last()?.point);
-    let middle = end.iter().fold(Point::default(), |sum, v| sum + v.point) / end.len() as f64;
-    let (mut difference, mut product) = (0.0, 0.0);
-    for vertex in end {
-        let d = vertex.point - middle;
-        difference += d.x * d.x - d.y * d.y;
-        product += 2.0 * d.x * d.y;
-    }
-    let along = Point::from_polar(1.0, 0.5 * product.atan2(difference));
-    let direction = if along.dot(last - first) < 0.0 {
-        along * -1.0
-    } else {
-        along
-    };
+    // From the first on: far from the map's origin the sums of squares would lose what makes the direction.
+    let line = Sums::new(end.iter().map(|v| (v.point - first, 1.0))).perpendicular_line(&(0..end.len()))?;
     let is_straight = end
         .iter()
-        .all(|v| direction.cross(v.point - middle).abs() < STRAIGHT_M);
+        .all(|v| line.distance_m(v.point - first).abs() < STRAIGHT_M);
+    let along = line.normal.left();
+    let is_ahead = along.dot(last - first) >= 0.0;
     (is_straight && first.distance(last) > LEAST_LENGTH_M).then(|| Tip {
-        from: middle + direction * direction.dot(last - middle),
-        direction,
+        from: first + line.foot(last - first),
+        direction: if is_ahead { along } else { along * -1.0 },
         reach_m: 0.0,
     })
 }
