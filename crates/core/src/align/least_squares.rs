@@ -233,7 +233,7 @@ impl Round {
             };
             let side = target.side(foot.side);
             let error_m = side.normal().dot(place - foot.point);
-            let direction = side.along(foot.share);
+            let direction = reader.along(foot.side, foot.share);
             let normal = direction.left();
             // The scale follows the gate, so that poor guesses are not weighted away in the first rounds.
             let scale_m = settings.robust_sigmas * p.sigma_m.max(0.2 * (gate_m - settings.last_gate_m));
@@ -244,7 +244,7 @@ impl Round {
             if let Some(directions) = &mut self.directions {
                 let along = [direction.x, direction.y, direction.dot(arm.left())];
                 let turned = normal.dot(near.direction);
-                directions.add(along, w, turned, SIDE_END_M / side.told_by_m());
+                directions.add(along, w, turned, SIDE_END_M / reader.told_by_m(foot.side));
             }
             for (g, j) in self.gradient.iter_mut().zip(j) {
                 *g += w * j * error_m;

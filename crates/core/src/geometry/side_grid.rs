@@ -20,11 +20,12 @@ pub(crate) struct Side {
     pub owner: u32,
     /// Number of the side within its polyline.
     pub index: u32,
-    /// The side starts (bit 0) or ends (bit 1) its polyline.
+    /// Whether it starts or ends its polyline, or both.
     ends: u8,
-    /// How it bends into the sides before and behind it.
-    bends: Bends,
 }
+
+const STARTS: u8 = 1;
+const ENDS: u8 = 2;
 
 impl Side {
     /// Unit normal into free space.
@@ -32,27 +33,22 @@ impl Side {
         self.direction.left()
     }
 
-    /// Unit vector along the curve that the side may be part of, at a share 0..=1 of the side.
-    pub fn along(&self, share: f64) -> Point {
-        self.bends.along(self.direction, self.length_m, share)
-    }
-
-    /// How much wall tells its direction, metres.
-    pub fn told_by_m(&self) -> f64 {
-        self.bends.told_by_m(self.length_m)
-    }
-
-    /// Bends into the side that follows.
-    fn bend_into(&mut self, next: &mut Self) {
-        Bends::join(
-            (&mut self.bends, self.direction, self.length_m),
-            (&mut next.bends, next.direction, next.length_m),
-        );
+    /// From `a` to `b`; `None` when it has no length.
+    fn between(a: Point, b: Point, owner: u32, index: u32) -> Option<Self> {
+        let segment = Segment::new(a, b);
+        Some(Self {
+            segment,
+            direction: segment.direction()?,
+            length_m: segment.length_m(),
+            owner,
+            index,
+            ends: 0,
+        })
     }
 
     /// Whether `along_m` from the start lies before the first or behind the last vertex of the polyline.
     fn is_beyond_end(&self, along_m: f64) -> bool {
-        (along_m < 0.0 && self.ends & 1 != 0) || (along_m > self.length_m && self.ends & 2 != 0)
+        (along_m < 0.0 && self.ends & STARTS != 0) || (along_m > self.length_m && self.ends & ENDS != 0)
     }
 }
 
@@ -92,6 +88,8 @@ pub(crate) struct Near {
 #[derive(Clone, Default)]
 pub(crate) struct SideGrid {
     sides: Vec<Side>,
+    /// By side, how it bends into the sides before and behind it; none in a grid of dense sides.
+    bends: Vec<Bends>,
     unused: Vec<u32>,
     of_owner: Vec<Vec<u32>>,
     cells: CellLists,
@@ -135,26 +133,36 @@ impl SideGrid {
         ))
     }
 
-    /// Takes the sides of a polyline in, in the place of those it had; sides of no length are left out. Costs as much as
-    /// is different.
+    /// Takes the sides of a polyline in, in the place of those it had; sides of no length are left out.
     pub fn insert(&mut self, owner: u32, vertices: impl IntoIterator<Item = Point>) {
+        self.insert_dense(owner, vertices);
+        self.bend(owner);
+    }
+
+    /// The same for sides so short that their directions are all noise: nobody asks for the curve along them. Costs as much as is
+    /// different.
+    pub fn insert_dense(&mut self, owner: u32, vertices: impl IntoIterator<Item = Point>) {
         if self.of_owner.len() <= owner as usize {
             self.of_owner.resize(owner as usize + 1, Vec::new());
         }
-        let before = std::mem::take(&mut self.of_owner[owner as usize]);
-        let sides = self.sides_through(owner, vertices, &before);
-        let stays = |&(&id, side): &(&u32, &Side)| self.side(id).segment == side.segment;
-        let head = before.iter().zip(&sides).take_while(stays).count();
-        let rest = before.len().min(sides.len()) - head;
-        let ends = before.iter().rev().zip(sides.iter().rev());
-        let tail = ends.take(rest).take_while(stays).count();
-
-        let (gone, new) = (head..before.len() - tail, head..sides.len() - tail);
-        let mut ids = Vec::with_capacity(sides.len());
-        ids.extend_from_slice(&before[..head]);
-        let mut old = before[gone.clone()].iter();
-        for &side in &sides[new] {
-            ids.push(match old.next() {
+        let mut ids = std::mem::take(&mut self.of_owner[owner as usize]);
+        for end in [ids.first(), ids.last()].into_iter().flatten() {
+            self.sides[*end as usize].ends = 0;
+        }
+        let vertices: Vec<Point> = vertices.into_iter().collect();
+        let (head, tail) = self.unchanged(&ids, &vertices);
+        let pairs = vertices.len().saturating_sub(1);
+        for (index, &id) in (pairs - tail..).zip(&ids[ids.len() - tail..]) {
+            self.sides[id as usize].index = index as u32;
+        }
+        let gone = head..ids.len() - tail;
+        let mut old = ids[gone.clone()].iter();
+        let mut new = Vec::with_capacity(pairs - tail - head);
+        for index in head..pairs - tail {
+            let Some(side) = Side::between(vertices[index], vertices[index + 1], owner, index as u32) else {
+                continue;
+            };
+            new.push(match old.next() {
                 Some(&id) => self.replace(id, side),
                 None => self.add(side),
             });
@@ -162,62 +170,50 @@ impl SideGrid {
         for &id in old {
             self.take_out(id);
         }
-        ids.extend_from_slice(&before[gone.end..]);
-        for (&id, side) in ids.iter().zip(&sides) {
-            let kept = &mut self.sides[id as usize];
-            (kept.index, kept.ends, kept.bends) = (side.index, side.ends, side.bends);
+        ids.splice(gone, new);
+        if let (Some(&first), Some(&last)) = (ids.first(), ids.last()) {
+            self.sides[first as usize].ends |= STARTS;
+            self.sides[last as usize].ends |= ENDS;
         }
         self.of_owner[owner as usize] = ids;
     }
 
-    /// The sides between vertices; what has no length is left out. `before` are those that the polyline had.
-    fn sides_through(
-        &self,
-        owner: u32,
-        vertices: impl IntoIterator<Item = Point>,
-        before: &[u32],
-    ) -> Vec<Side> {
-        let mut sides: Vec<Side> = Vec::with_capacity(before.len() + 8);
-        let mut previous: Option<Point> = None;
-        for (index, vertex) in (0_u32..).zip(vertices) {
-            let Some(from) = previous.replace(vertex) else {
-                continue;
-            };
-            let segment = Segment::new(from, vertex);
-            let Some((direction, length_m)) = self.measured(segment, before.get(sides.len())) else {
-                continue;
-            };
-            sides.push(Side {
-                segment,
-                direction,
-                length_m,
-                owner,
-                index: index - 1,
-                ends: 0,
-                bends: Bends::default(),
-            });
-        }
-        for k in 1..sides.len() {
-            let (before, behind) = sides.split_at_mut(k);
-            if let ([.., before], [behind, ..]) = (before, behind) {
-                before.bend_into(behind);
-            }
-        }
-        if let Some(first) = sides.first_mut() {
-            first.ends |= 1;
-        }
-        if let Some(last) = sides.last_mut() {
-            last.ends |= 2;
-        }
-        sides
+    /// How many sides a polyline has that are as they were: from its start, and from its end.
+    fn unchanged(&self, ids: &[u32], vertices: &[Point]) -> (usize, usize) {
+        let is_between = |id: u32, pair: &[Point]| self.side(id).segment == Segment::new(pair[0], pair[1]);
+        let head = ids
+            .iter()
+            .zip(vertices.windows(2))
+            .zip(0_u32..)
+            .take_while(|&((&id, pair), index)| self.side(id).index == index && is_between(id, pair))
+            .count();
+        let rest = ids.len().min(vertices.len().saturating_sub(1)) - head;
+        let tail = ids
+            .iter()
+            .rev()
+            .zip(vertices.windows(2).rev())
+            .take(rest)
+            .take_while(|&(&id, pair)| is_between(id, pair))
+            .count();
+        (head, tail)
     }
 
-    /// Direction and length of a side, known already where the one `before` it in its place was the same; `None` when it has
-    /// no length.
-    fn measured(&self, segment: Segment, before: Option<&u32>) -> Option<(Point, f64)> {
-        match before.map(|&id| self.side(id)) {
-            Some(side) if side.segment == segment => Some((side.direction, side.length_m)),
-            _ => Some((segment.direction()?, segment.length_m())),
+    /// Finds out how the sides of a polyline bend into each other.
+    fn bend(&mut self, owner: u32) {
+        self.bends.resize(self.sides.len(), Bends::default());
+        let ids = &self.of_owner[owner as usize];
+        for &id in ids {
+            self.bends[id as usize] = Bends::default();
+        }
+        for pair in ids.windows(2) {
+            let (before, behind) = (pair[0] as usize, pair[1] as usize);
+            let (from, to) = (&self.sides[before], &self.sides[behind]);
+            let (mut start, mut end) = (self.bends[before], self.bends[behind]);
+            Bends::join(
+                (&mut start, from.direction, from.length_m),
+                (&mut end, to.direction, to.length_m),
+            );
+            (self.bends[before], self.bends[behind]) = (start, end);
         }
     }
 
@@ -288,6 +284,17 @@ impl<'a> GridReader<'a> {
     /// A side of the grid.
     pub fn side(&self, side: u32) -> &'a Side {
         self.grid.side(side)
+    }
+
+    /// Unit vector along the curve that a side may be part of, at a share 0..=1 of the side.
+    pub fn along(&self, side: u32, share: f64) -> Point {
+        let Side { direction, length_m, .. } = *self.side(side);
+        self.grid.bends[side as usize].along(direction, length_m, share)
+    }
+
+    /// How much wall tells the direction of a side, metres.
+    pub fn told_by_m(&self, side: u32) -> f64 {
+        self.grid.bends[side as usize].told_by_m(self.side(side).length_m)
     }
 
     /// The nearest side that `near` allows and `allowed` (given its owner) agrees to.

@@ -184,7 +184,8 @@ impl GrowingMap {
     }
 
     fn put(&mut self, slot: u32, polyline: GrowingPolyline) {
-        self.dense.insert(slot, polyline.vertices.iter().map(|v| v.point));
+        let points = polyline.vertices.iter().map(|v| v.point);
+        self.dense.insert_dense(slot, points);
         self.slots[slot as usize] = Some(Arc::new(polyline));
         self.stale.push(slot);
     }
