@@ -95,7 +95,7 @@ fn conjugate_gradients_find_what_elimination_of_all_unknowns_finds() {
     let n = poses.len();
     for (k, value) in moves.iter().flatten().chain(lines.iter().flatten()).enumerate() {
         let off = (value - expected[k]).abs();
-        assert!(off < 1e-4, "unknown {k} of {n} poses: {value} {}", expected[k]);
+        assert!(off < 1e-6, "unknown {k} of {n} poses: {value} {}", expected[k]);
     }
 }
 

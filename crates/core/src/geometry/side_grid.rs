@@ -288,7 +288,9 @@ impl<'a> GridReader<'a> {
 
     /// Unit vector along the curve that a side may be part of, at a share 0..=1 of the side.
     pub fn along(&self, side: u32, share: f64) -> Point {
-        let Side { direction, length_m, .. } = *self.side(side);
+        let Side {
+            direction, length_m, ..
+        } = *self.side(side);
         self.grid.bends[side as usize].along(direction, length_m, share)
     }
 
