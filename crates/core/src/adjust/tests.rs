@@ -89,7 +89,7 @@ fn conjugate_gradients_find_what_elimination_of_all_unknowns_finds() {
     let poses: Vec<Pose> = keyframes.iter().map(|k| k.map_from_scan).collect();
     let walls = Walls::seen_by(&keyframes, &walls_of(&keyframes), settings.gate_m);
     let equations = Equations::new(&walls, &keyframes, &poses, &edges, &settings);
-    let moves = solve::moves(&equations).unwrap();
+    let moves = solve::moves(&equations, &poses).unwrap();
     let lines = equations.line_moves(&moves);
     let expected = dense_solution(&equations);
     let n = poses.len();
