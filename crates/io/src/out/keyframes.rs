@@ -107,7 +107,7 @@ enum Line {
 /// # Errors
 /// Those of `out`.
 pub fn write_keyframes(out: &mut impl Write, file: &KeyframeFile) -> io::Result<()> {
-    let mut out = GzEncoder::new(out, Compression::new(9));
+    let mut out = GzEncoder::new(out, Compression::new(6));
     let mut put = |line: &Line| -> io::Result<()> {
         serde_json::to_writer(&mut out, line)?;
         out.write_all(b"\n")
