@@ -2,27 +2,45 @@
 //!
 //! Dynamic programming over the end of the last side, F(t) = min over s of F(s) + cost(s..t) + penalty. A start s with
 //! F(s) + cost(s..t) > F(t) is never the best again, because a longer side cannot cost less (PELT: Killick, Fearnhead,
-//! Eckley, 2012), which makes it nearly linear for walls of bounded length.
+//! Eckley, 2012), which makes it nearly linear for walls of bounded length. For the same reason a start that was too dear for the
+//! run up to t − 1 need not be looked at for the run up to t: along a wall nearly none are.
 
 use std::ops::Range;
+
+/// Where the last side may start.
+struct Start {
+    at: usize,
+    /// What it costs up to there and on, at the least.
+    least: f64,
+}
 
 /// Sides of the run 0..n, in order. `cost` must not fall when a run grows.
 pub(crate) fn divide(n: usize, penalty: f64, cost: impl Fn(&Range<usize>) -> f64) -> Vec<Range<usize>> {
     let mut best = vec![0.0; n + 1];
     let mut from = vec![0; n + 1];
-    let mut starts: Vec<(usize, f64)> = Vec::new();
+    let mut starts: Vec<Start> = Vec::new();
     for t in 1..=n {
-        starts.push((t - 1, 0.0));
-        let (mut least, mut at) = (f64::INFINITY, t - 1);
-        for (s, total) in &mut starts {
-            *total = best[*s] + cost(&(*s..t));
-            if *total < least {
-                (least, at) = (*total, *s);
+        starts.push(Start {
+            at: t - 1,
+            least: best[t - 1],
+        });
+        let mut found = (f64::INFINITY, t - 1);
+        let mut look = |start: &mut Start| {
+            if (start.least, start.at) < found {
+                start.least = best[start.at] + cost(&(start.at..t));
+                if (start.least, start.at) < found {
+                    found = (start.least, start.at);
+                }
             }
+        };
+        // Most often the side goes on.
+        if let Ok(k) = starts.binary_search_by_key(&from[t - 1], |start| start.at) {
+            look(&mut starts[k]);
         }
-        best[t] = least + penalty;
-        from[t] = at;
-        starts.retain(|&(_, total)| total <= best[t]);
+        starts.iter_mut().for_each(look);
+        best[t] = found.0 + penalty;
+        from[t] = found.1;
+        starts.retain(|start| start.least <= best[t]);
     }
     let mut sides = Vec::new();
     let mut end = n;
