@@ -87,7 +87,7 @@ fn conjugate_gradients_find_what_elimination_of_all_unknowns_finds() {
     let (_, keyframes, edges) = walk();
     let settings = AdjustSettings::default();
     let poses: Vec<Pose> = keyframes.iter().map(|k| k.map_from_scan).collect();
-    let walls = Walls::seen_by(&keyframes, &poses, &walls_of(&keyframes), settings.gate_m);
+    let walls = Walls::seen_by(&keyframes, &walls_of(&keyframes), settings.gate_m);
     let equations = Equations::new(&walls, &keyframes, &poses, &edges, &settings);
     let moves = solve::moves(&equations, &poses).unwrap();
     let lines = equations.line_moves(&moves);
@@ -168,7 +168,7 @@ fn gradients_are_half_the_slopes_of_the_cost() {
     let settings = AdjustSettings::default();
     let poses: Vec<Pose> = keyframes.iter().map(|k| k.map_from_scan).collect();
     let sides = walls_of(&keyframes);
-    let walls = Walls::seen_by(&keyframes, &poses, &sides, settings.gate_m);
+    let walls = Walls::seen_by(&keyframes, &sides, settings.gate_m);
     let equations = Equations::new(&walls, &keyframes, &poses, &edges, &settings);
     let nudge = 1e-6;
     for (axis, shift) in [(0, Pose::new(nudge, 0.0, 0.0)), (2, Pose::new(0.0, 0.0, nudge))] {

@@ -1,14 +1,13 @@
 //! The sides of the map as unknown lines, and which returns lie on them.
 
 use super::equations::Line;
-use crate::geometry::{Near, Pose, SideGrid};
+use crate::geometry::{Near, SideGrid};
 use crate::keyframe::Keyframe;
 
 /// A return may differ from its side by 20° in direction.
 const MIN_COS: f64 = 0.94;
 
 /// Returns of one keyframe on one line.
-#[derive(Clone)]
 pub(super) struct View {
     pub keyframe: usize,
     pub line: usize,
@@ -17,7 +16,6 @@ pub(super) struct View {
 }
 
 /// Lines, and who sees them.
-#[derive(Clone)]
 pub(super) struct Walls {
     pub lines: Vec<Line>,
     pub views: Vec<View>,
@@ -25,7 +23,7 @@ pub(super) struct Walls {
 
 impl Walls {
     /// Which returns lie within `gate_m` of which side. What moves is left out.
-    pub fn seen_by(keyframes: &[Keyframe], poses: &[Pose], sides: &SideGrid, gate_m: f64) -> Self {
+    pub fn seen_by(keyframes: &[Keyframe], sides: &SideGrid, gate_m: f64) -> Self {
         let line = |side: &crate::geometry::Side| Line {
             middle: side.segment.at(0.5),
             direction: side.direction,
@@ -35,31 +33,9 @@ impl Walls {
             views: keyframes
                 .iter()
                 .enumerate()
-                .flat_map(|(number, keyframe)| views(number, keyframe, poses[number], sides, gate_m))
+                .flat_map(|(number, keyframe)| views(number, keyframe, sides, gate_m))
                 .collect(),
         }
-    }
-
-    /// The sides where the lines are now; they keep their numbers.
-    pub fn moved(&self, sides: &SideGrid) -> SideGrid {
-        let mut moved = sides.clone();
-        for owner in sides.owners() {
-            let numbers = sides.numbers_of(owner);
-            let ends = |number: u32| {
-                let line = &self.lines[number as usize];
-                let half = line.direction * (0.5 * sides.side(number).length_m);
-                (line.middle - half, line.middle + half)
-            };
-            let (Some(&first), Some(&last)) = (numbers.first(), numbers.last()) else {
-                continue;
-            };
-            let joints = numbers
-                .windows(2)
-                .map(|two| ends(two[0]).1.lerp(ends(two[1]).0, 0.5));
-            let vertices = [ends(first).0].into_iter().chain(joints).chain([ends(last).1]);
-            moved.insert(owner, vertices);
-        }
-        moved
     }
 
     /// Moves the lines by a shift along their normal, metres, and a turn about their middle, radians.
@@ -75,7 +51,8 @@ impl Walls {
 }
 
 /// The lines that a keyframe sees.
-fn views(number: usize, keyframe: &Keyframe, pose: Pose, sides: &SideGrid, gate_m: f64) -> Vec<View> {
+fn views(number: usize, keyframe: &Keyframe, sides: &SideGrid, gate_m: f64) -> Vec<View> {
+    let pose = keyframe.map_from_scan;
     let mut found: Vec<(u32, u32)> = Vec::new();
     let mut reader = sides.reader();
     for (k, p) in (0_u32..).zip(keyframe.points.iter()) {

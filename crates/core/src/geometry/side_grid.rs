@@ -110,11 +110,6 @@ impl SideGrid {
         self.of_owner.iter().flatten().map(|&id| &self.sides[id as usize])
     }
 
-    /// Names of all polylines ever taken in.
-    pub fn owners(&self) -> std::ops::Range<u32> {
-        0..self.of_owner.len() as u32
-    }
-
     /// The numbers of the sides of one polyline, in order.
     pub fn numbers_of(&self, owner: u32) -> &[u32] {
         self.of_owner.get(owner as usize).map_or(&[], Vec::as_slice)

@@ -39,9 +39,9 @@ impl Atlas {
     }
 
     /// Adjusts the poses of all keyframes and the walls together. A wall that stood twice stands once after it, and is
-    /// straighter. Where a pose has moved so far that other things merge, the map is made and adjusted once more.
+    /// straighter: the returns are assigned again as long as something moves.
     fn adjust(&mut self, settings: &Settings) {
-        for _ in 0..settings.adjust.maps {
+        for _ in 0..settings.adjust.rounds {
             let sides = self.walls(settings);
             let poses = adjusted(&self.keyframes, &self.edges, &sides, &settings.adjust);
             let mut farthest_m = 0.0_f64;
