@@ -167,18 +167,28 @@ impl Information {
     /// heading is left free: smallest eigenvalue of the Schur complement of θ.
     #[must_use]
     pub fn weakest_direction(&self) -> (Point, f64) {
-        let a = &self.rows;
-        let t = if a[2][2] > 0.0 { 1.0 / a[2][2] } else { 0.0 };
-        let xx = a[0][0] - a[0][2] * a[2][0] * t;
-        let yy = a[1][1] - a[1][2] * a[2][1] * t;
-        let xy = a[0][1] - a[0][2] * a[2][1] * t;
-        let half = 0.5 * (xx + yy);
-        let spread = (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
+        let (xx, xy, yy) = self.of_place();
         // Axis of the larger eigenvalue is at half the angle of (xx − yy, 2 xy); the weak one is across.
         let strong_rad = 0.5 * (2.0 * xy).atan2(xx - yy);
+        (Point::from_polar(1.0, strong_rad).left(), self.least_told())
+    }
+
+    /// How much it says in its weakest direction, 1/m² (see [`Self::weakest_direction`]).
+    #[must_use]
+    pub fn least_told(&self) -> f64 {
+        let (xx, xy, yy) = self.of_place();
+        let spread = (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
+        (0.5 * (xx + yy) - spread).max(0.0)
+    }
+
+    /// What it says of the place when the heading is left free: the Schur complement of θ (xx, xy, yy).
+    fn of_place(&self) -> (f64, f64, f64) {
+        let a = &self.rows;
+        let t = if a[2][2] > 0.0 { 1.0 / a[2][2] } else { 0.0 };
         (
-            Point::from_polar(1.0, strong_rad).left(),
-            (half - spread).max(0.0),
+            a[0][0] - a[0][2] * a[2][0] * t,
+            a[0][1] - a[0][2] * a[2][1] * t,
+            a[1][1] - a[1][2] * a[2][1] * t,
         )
     }
 }

@@ -73,10 +73,9 @@ impl Ties {
             } else {
                 edge.motion.translation().norm() + 0.05
             };
-            let (_, told) = edge.information.weakest_direction();
             let tie = Way {
                 length_m,
-                open_m2: 1.0 / told.max(LEAST_TOLD),
+                open_m2: 1.0 / edge.information.least_told().max(LEAST_TOLD),
             };
             for (node, other) in [(edge.to, edge.from), (edge.from, edge.to)] {
                 begin[node] -= 1;
