@@ -36,7 +36,7 @@ impl BuildRecord {
             Background::new(sinks),
             &short_name(log_name),
             GENERATOR,
-            Snapshots::Doubling,
+            Snapshots::Tripling,
         );
         Ok(Self(recorder.context(CANNOT)?))
     }

@@ -36,9 +36,9 @@ impl<A: Sink> Sink for Option<A> {
 /// and then; between two of them the page shows the polylines that were merged since.
 #[derive(Clone, Copy, Debug)]
 pub enum Snapshots {
-    /// Each time the number of merged scans has doubled: the same record for the same log, and as much time again as
+    /// Each time the number of merged scans is three times what it was: the same record for the same log, and half as much time again as
     /// the last map takes.
-    Doubling,
+    Tripling,
     /// As often as this share of the time allows, but a map that takes longer than `longest` is only made when
     /// [`Recorder::idle`] says that there is time.
     Share {
@@ -187,7 +187,7 @@ impl<S: Sink> Recorder<S> {
 
     fn is_due(&self) -> bool {
         match self.snapshots {
-            Snapshots::Doubling => self.merged > 2 * self.merged_then,
+            Snapshots::Tripling => self.merged > 3 * self.merged_then,
             Snapshots::Share { share, longest } => {
                 let grown = self.merged as f64 / self.merged_then.max(1) as f64;
                 self.merged > self.merged_then
