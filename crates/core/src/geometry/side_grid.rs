@@ -291,12 +291,17 @@ impl<'a> GridReader<'a> {
         let Side {
             direction, length_m, ..
         } = *self.side(side);
-        self.grid.bends[side as usize].along(direction, length_m, share)
+        self.bends(side).along(direction, length_m, share)
     }
 
     /// How much wall tells the direction of a side, metres.
     pub fn told_by_m(&self, side: u32) -> f64 {
-        self.grid.bends[side as usize].told_by_m(self.side(side).length_m)
+        self.bends(side).told_by_m(self.side(side).length_m)
+    }
+
+    /// A dense side bends nowhere.
+    fn bends(&self, side: u32) -> Bends {
+        self.grid.bends.get(side as usize).copied().unwrap_or_default()
     }
 
     /// The nearest side that `near` allows and `allowed` (given its owner) agrees to.
