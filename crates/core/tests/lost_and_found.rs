@@ -169,3 +169,79 @@ fn a_map_kept_apart_is_joined_when_the_scanner_comes_back_to_a_known_place() {
         assert!(off_m < 0.1, "scan {k} is {off_m} m off");
     }
 }
+
+/// Where a corridor widens: from and to, metres along it, and how far, metres; below its axis and above.
+type Niches<'a> = &'a [(f64, f64, f64)];
+
+/// A corridor of 40 m × 2 m along the x axis with niches on either side.
+fn corridor(below: Niches, above: Niches) -> Vec<Wall> {
+    let side = |niches: Niches, y: f64| {
+        let niche = |&(from, to, depth): &(f64, f64, f64)| {
+            let deep = y + depth * y.signum();
+            [(from, y), (from, deep), (to, deep), (to, y)]
+        };
+        niches.iter().flat_map(niche).collect::<Vec<_>>()
+    };
+    let mut corners = vec![(0.0, -1.0)];
+    corners.extend(side(below, -1.0));
+    corners.extend([(40.0, -1.0), (40.0, 1.0)]);
+    corners.extend(side(above, 1.0).into_iter().rev());
+    corners.push((0.0, 1.0));
+    walls(&corners)
+}
+
+/// Drives along a corridor.
+fn drive(mapper: &mut Mapper, corridor: &[Wall], from_m: f64, to_m: f64) -> usize {
+    let steps = ((to_m - from_m) / 0.25) as i32;
+    for k in 0..steps {
+        let pose = Pose::new(from_m + 0.25 * f64::from(k), 0.0, 0.0);
+        mapper.add_scan(&scan_from(corridor, pose, 8.0), None);
+    }
+    steps as usize
+}
+
+#[test]
+fn a_corridor_that_begins_and_ends_unlike_a_known_one_is_not_taken_for_it() {
+    let alike_below = [
+        (11.0, 12.1, 0.4),
+        (15.2, 15.8, 0.7),
+        (19.0, 21.3, 0.3),
+        (24.7, 25.5, 0.5),
+        (30.2, 31.1, 0.4),
+    ];
+    let alike_above = [
+        (9.3, 10.0, 0.5),
+        (13.3, 14.8, 0.3),
+        (17.5, 18.1, 0.6),
+        (22.2, 23.1, 0.4),
+        (27.9, 29.4, 0.3),
+        (32.0, 32.7, 0.6),
+    ];
+    let with = |first: &[(f64, f64, f64)], alike: &[(f64, f64, f64)], last: &[(f64, f64, f64)]| {
+        [first, alike, last].concat()
+    };
+    let known = corridor(
+        &with(
+            &[(2.0, 3.1, 0.5), (6.4, 7.0, 0.3)],
+            &alike_below,
+            &[(35.0, 36.2, 0.6)],
+        ),
+        &with(&[(4.1, 5.5, 0.4)], &alike_above, &[(37.2, 38.0, 0.3)]),
+    );
+    let other = corridor(
+        &with(&[(0.0, 7.5, 2.5)], &alike_below, &[(33.5, 39.0, 1.4)]),
+        &with(
+            &[(0.0, 3.0, 1.6), (5.0, 8.0, 3.0)],
+            &alike_above,
+            &[(34.5, 36.0, 2.2)],
+        ),
+    );
+    let mut mapper = Mapper::new(Settings::default());
+    let seen = drive(&mut mapper, &known, 1.0, 39.0);
+    // In the dark to where the other one begins.
+    drive(&mut mapper, &other, 1.0, 34.0);
+    let outcomes = mapper.outcomes();
+    assert!(outcomes[..seen].iter().all(|o| placed(o).is_some()));
+    let taken = outcomes[seen..].iter().filter(|o| placed(o).is_some()).count();
+    assert_eq!(taken, 0, "scans of the other corridor in the known one");
+}

@@ -10,7 +10,7 @@
 //! 3. Keyframes that were found are tied to the first map, the poses adjusted (`loops`), then all along where both saw the
 //!    same walls, and adjusted again. The map is made anew from all keyframes.
 
-mod votes;
+pub(crate) mod votes;
 
 use crate::align::Information;
 use crate::geometry::Pose;
@@ -21,7 +21,7 @@ use crate::map::Map;
 use crate::mapper::atlas::Atlas;
 use crate::mapper::{Revoked, Settings};
 use crate::scan::Scan;
-use votes::{Found, Placed, choose, look};
+use votes::{Found, Placed, Trust, choose, look};
 
 /// A keyframe as it is kept.
 #[derive(Clone, Debug)]
@@ -122,8 +122,6 @@ const LEAST_AGREEING: usize = 5;
 /// Share of the keyframes looked for that have to agree: of a hundred keyframes of another building, four or five agree by
 /// chance.
 const LEAST_AGREEING_SHARE: f64 = 0.1;
-/// Of the keyframes that see the first map, the share that may disagree.
-const MOST_DISAGREEING: f64 = 0.25;
 /// Another way to join them may have this share of the votes.
 const MOST_OTHER: f64 = 0.5;
 /// What the walls of a map know is worse than their noise says, metres and radians.
@@ -162,7 +160,7 @@ impl SavedMap {
         let second = Atlas::restored(second, settings);
         let locator = Locator::new(&first.map(settings), LocateSettings::default());
         let looked: Vec<Found> = look(&locator, second.keyframes());
-        let placed = choose(&locator, &looked, second.keyframes())?;
+        let placed = choose(&locator, &looked, second.keyframes(), Trust::FINISHED)?;
         let agreeing = placed.agreeing.len();
         let offset = first.keyframes().len();
         let edges: Vec<Edge> = placed

@@ -1,6 +1,6 @@
 //! Where one map lies in another, by the votes of its keyframes.
 
-use super::{LEAST_AGREEING, LEAST_AGREEING_SHARE, MOST_DISAGREEING, MOST_OTHER, NotJoined};
+use super::{LEAST_AGREEING, LEAST_AGREEING_SHARE, MOST_OTHER, NotJoined};
 use crate::align::Information;
 use crate::geometry::{Point, Pose, wrap_rad};
 use crate::keyframe::Keyframe;
@@ -16,30 +16,63 @@ const MOST_POSES: usize = 3;
 /// drifted apart.
 const AGREE_M: f64 = 1.0;
 const AGREE_RAD: f64 = 0.15;
-/// A keyframe sees the first map if that says something of this share of its beams, and agrees with it if this share of
-/// these end on the map.
+/// A keyframe sees the first map if that says something of this share of its beams.
 const LEAST_KNOWN: f64 = 0.5;
-const LEAST_FIT: f64 = 0.6;
+
+/// What a place must have to be believed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Trust {
+    /// Fewest keyframes that have to agree, a metre apart or more.
+    pub least_agreeing: usize,
+    /// A keyframe that sees the first map may disagree if less than this share of the beams that it says something of end on it.
+    pub least_fit: f64,
+    /// If it was not found there by itself, it then disagrees, or only if it fits another place by this share better.
+    pub worse_by: Option<f64>,
+    /// Of the keyframes that see the first map, the share that may disagree.
+    pub most_disagreeing: f64,
+}
+
+impl Trust {
+    /// Maps made at different times: things have moved since.
+    pub const FINISHED: Self = Self {
+        least_agreeing: LEAST_AGREEING,
+        least_fit: 0.6,
+        worse_by: None,
+        most_disagreeing: 0.25,
+    };
+
+    /// A map that was left a moment ago. In a cluttered office scans fit poorly even where they belong, but nowhere else better;
+    /// where a corridor is taken for another one, scans before and behind the stretch that is alike do.
+    pub const LEFT: Self = Self {
+        least_agreeing: LEAST_AGREEING,
+        least_fit: 0.9,
+        worse_by: Some(0.1),
+        most_disagreeing: 0.25,
+    };
+}
 
 /// A keyframe of the second map, and where it may be in the first.
-pub(super) struct Found {
+#[derive(Clone)]
+pub(crate) struct Found {
     keyframe: usize,
     verdict: Verdict,
     fixes: Vec<Fix>,
 }
 
 /// A keyframe of the second map in the first.
-pub(super) struct Placed {
+pub(crate) struct Placed {
     pub keyframe: usize,
     pub map_from_scan: Pose,
     pub information: Information,
 }
 
 /// Where the second map lies in the first.
-pub(super) struct Choice {
+pub(crate) struct Choice {
     pub first_from_second: Pose,
     /// Keyframes that were found there.
     pub agreeing: Vec<Placed>,
+    /// Of the keyframes that see the first map from there, the share that disagrees.
+    pub disagreeing_share: f64,
 }
 
 /// Looks for keyframes of the second map in the first.
@@ -49,42 +82,71 @@ pub(super) fn look(locator: &Locator, keyframes: &[Keyframe]) -> Vec<Found> {
     apart
         .into_iter()
         .step_by(step)
-        .map(|k| {
-            let found = locator.find_points(&keyframes[k].points);
-            Found {
-                keyframe: k,
-                verdict: found.verdict,
-                fixes: found.fixes.into_iter().take(MOST_POSES).collect(),
-            }
-        })
+        .map(|k| Found::of(locator, keyframes, k))
         .collect()
+}
+
+impl Found {
+    /// Looks for keyframe `k` in the first map.
+    pub fn of(locator: &Locator, keyframes: &[Keyframe], k: usize) -> Self {
+        let found = locator.find_points(&keyframes[k].points);
+        Self {
+            keyframe: k,
+            verdict: found.verdict,
+            fixes: found.fixes.into_iter().take(MOST_POSES).collect(),
+        }
+    }
+
+    /// Whether keyframe `k` shows so much else that it is to be looked for, too; `times` as much as usual.
+    pub fn is_far(&self, keyframes: &[Keyframe], k: usize, times: f64) -> bool {
+        way_m(&keyframes[self.keyframe], &keyframes[k]) >= times * LOOK_AFTER_M
+    }
+
+    /// How well it fits where it fits best.
+    fn best_fit(&self) -> f64 {
+        let fits = self.fixes.iter().map(|f| f.agreement.fit());
+        fits.fold(0.0, f64::max)
+    }
+
+    /// The keyframe that was looked for.
+    pub fn keyframe(&self) -> usize {
+        self.keyframe
+    }
 }
 
 /// Keyframes some way apart.
 fn apart(keyframes: &[Keyframe]) -> Vec<usize> {
     let mut out: Vec<usize> = Vec::new();
     for (k, keyframe) in keyframes.iter().enumerate() {
-        let is_far = out.last().is_none_or(|&last| {
-            let step = keyframes[last].map_from_scan.inverse() * keyframe.map_from_scan;
-            step.translation().norm() + step.theta_rad.abs() >= LOOK_AFTER_M
-        });
-        if is_far {
+        if out
+            .last()
+            .is_none_or(|&last| way_m(&keyframes[last], keyframe) >= LOOK_AFTER_M)
+        {
             out.push(k);
         }
     }
     out
 }
 
+/// From one keyframe to another, metres; a radian counts as one.
+fn way_m(last: &Keyframe, keyframe: &Keyframe) -> f64 {
+    let step = last.map_from_scan.inverse() * keyframe.map_from_scan;
+    step.translation().norm() + step.theta_rad.abs()
+}
+
 /// The place of the second map that most keyframes agree on, if it is the only one.
-pub(super) fn choose(
+pub(crate) fn choose(
     locator: &Locator,
     looked: &[Found],
     keyframes: &[Keyframe],
+    trust: Trust,
 ) -> Result<Choice, NotJoined> {
     let ways = ways(looked, keyframes);
     let best = ways.first();
     let agreeing = best.map_or(0, |w| w.1);
-    let needed = LEAST_AGREEING.max((LEAST_AGREEING_SHARE * looked.len() as f64).ceil() as usize);
+    let needed = trust
+        .least_agreeing
+        .max((LEAST_AGREEING_SHARE * looked.len() as f64).ceil() as usize);
     let Some(&(first_from_second, _)) = best.filter(|w| w.1 >= needed) else {
         return Err(NotJoined::TooLittle {
             agreeing,
@@ -92,7 +154,7 @@ pub(super) fn choose(
             needed,
         });
     };
-    let middle = middle(keyframes);
+    let middle = middle(looked, keyframes);
     let differs = |way: &&(Pose, usize)| {
         (way.0 * middle).distance(first_from_second * middle) > 2.0 * AGREE_M
             || wrap_rad(way.0.theta_rad - first_from_second.theta_rad).abs() > 2.0 * AGREE_RAD
@@ -106,8 +168,8 @@ pub(super) fn choose(
             apart_m: (other.0 * middle).distance(first_from_second * middle),
         });
     }
-    let (overlapping, disagreeing) = contradiction(locator, looked, keyframes, first_from_second);
-    if disagreeing as f64 > MOST_DISAGREEING * overlapping as f64 {
+    let (overlapping, disagreeing) = contradiction(locator, looked, keyframes, first_from_second, trust);
+    if disagreeing as f64 > trust.most_disagreeing * overlapping as f64 {
         return Err(NotJoined::Contradiction {
             disagreeing,
             overlapping,
@@ -115,6 +177,7 @@ pub(super) fn choose(
     }
     Ok(Choice {
         first_from_second,
+        disagreeing_share: disagreeing as f64 / overlapping.max(1) as f64,
         agreeing: looked
             .iter()
             .filter_map(|f| placed(f, keyframes, first_from_second))
@@ -158,7 +221,13 @@ fn placed(found: &Found, keyframes: &[Keyframe], first_from_second: Pose) -> Opt
 }
 
 /// How many keyframes see the first map from where they would be, and how many of them see something else.
-fn contradiction(locator: &Locator, looked: &[Found], keyframes: &[Keyframe], way: Pose) -> (usize, usize) {
+fn contradiction(
+    locator: &Locator,
+    looked: &[Found],
+    keyframes: &[Keyframe],
+    way: Pose,
+    trust: Trust,
+) -> (usize, usize) {
     let (mut overlapping, mut disagreeing) = (0, 0);
     for found in looked {
         let keyframe = &keyframes[found.keyframe];
@@ -168,17 +237,19 @@ fn contradiction(locator: &Locator, looked: &[Found], keyframes: &[Keyframe], wa
         };
         if fix.agreement.known_share() >= LEAST_KNOWN {
             overlapping += 1;
-            let agrees = fix.agreement.fit() >= LEAST_FIT || placed(found, keyframes, way).is_some();
-            disagreeing += usize::from(!agrees);
+            let fit = fix.agreement.fit();
+            let is_worse = || trust.worse_by.is_none_or(|by| found.best_fit() > fit + by);
+            let disagrees = fit < trust.least_fit && is_worse() && placed(found, keyframes, way).is_none();
+            disagreeing += usize::from(disagrees);
         }
     }
     (overlapping, disagreeing)
 }
 
-fn middle(keyframes: &[Keyframe]) -> Pose {
-    let sum = keyframes
+fn middle(looked: &[Found], keyframes: &[Keyframe]) -> Pose {
+    let places = looked
         .iter()
-        .fold(Point::default(), |sum, k| sum + k.map_from_scan.translation());
-    let mean = sum / keyframes.len().max(1) as f64;
+        .map(|f| keyframes[f.keyframe].map_from_scan.translation());
+    let mean = places.fold(Point::default(), |sum, p| sum + p) / looked.len().max(1) as f64;
     Pose::new(mean.x, mean.y, 0.0)
 }

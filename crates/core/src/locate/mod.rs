@@ -143,6 +143,11 @@ impl Locator {
         for (owner, polyline) in (0_u32..).zip(&map.polylines) {
             sides.insert(owner, polyline.vertices.iter().map(|v| v.point));
         }
+        Self::of_sides(sides, settings)
+    }
+
+    /// Prepares a map of which the sides are known.
+    pub(crate) fn of_sides(sides: SideGrid, settings: LocateSettings) -> Self {
         Self {
             field: Field::new(sides.sides().map(|s| s.segment)),
             sides,

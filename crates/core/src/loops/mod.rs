@@ -14,7 +14,7 @@ mod ties;
 pub(crate) mod ways;
 
 pub use recognise::RecogniseSettings;
-pub(crate) use recognise::{Lookup, Recognised, find_in, recognise};
+pub(crate) use recognise::{Drift, Lookup, Recognised, find_in, recognise};
 pub(crate) use second_look::place_again;
 pub(crate) use steps_again::steps_again;
 pub(crate) use ties::ties;

@@ -114,10 +114,10 @@ pub(crate) struct Lookup<'a> {
     /// The map whose place is looked for, and the keyframe around which its scans are compared.
     pub new: &'a [Keyframe],
     pub anchor: usize,
-    /// Where in the old map the anchor is looked for, whatever its heading.
+    /// Where in the old map the anchor is looked for, whatever its heading,
     pub centre: Pose,
-    /// How far around that, metres.
-    pub window_m: f64,
+    /// and how far off it may be.
+    pub drift: Drift,
     /// Way on either side of the keyframes that is compared, metres.
     pub stretch_m: f64,
 }
@@ -133,8 +133,7 @@ pub(crate) fn find_in(lookup: &Lookup, align: &AlignSettings, settings: &Recogni
         .iter()
         .map(|&k| View::new(&new[k], here))
         .collect();
-    let anywhere = Drift::anywhere(lookup.window_m);
-    let matched = place.locate(&views, lookup.centre, anywhere, align, settings)?;
+    let matched = place.locate(&views, lookup.centre, lookup.drift, align, settings)?;
     Some(Edge {
         from: at,
         to: anchor,
@@ -146,7 +145,7 @@ pub(crate) fn find_in(lookup: &Lookup, align: &AlignSettings, settings: &Recogni
 
 /// How far off the estimate of the newest keyframe may be, seen from an old one.
 #[derive(Clone, Copy)]
-pub(super) struct Drift {
+pub(crate) struct Drift {
     sigma_m: f64,
     sigma_rad: f64,
     window_m: f64,
@@ -159,6 +158,16 @@ impl Drift {
         Self {
             sigma_m: 1e3,
             sigma_rad: 1e3,
+            window_m,
+            window_rad: std::f64::consts::PI,
+        }
+    }
+
+    /// Somebody who lost his way has moved by this, standard deviations, and is looked for within `window_m` at any heading.
+    pub fn lost(sigma_m: f64, sigma_rad: f64, window_m: f64) -> Self {
+        Self {
+            sigma_m,
+            sigma_rad,
             window_m,
             window_rad: std::f64::consts::PI,
         }

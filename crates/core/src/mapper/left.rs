@@ -1,22 +1,30 @@
 //! Maps that were left when the scanner was lost, and how the present one is found in them.
 //!
 //! In: the keyframes of the present map. Out: an edge that ties it to the one that was left, when its scans fit there
-//! in exactly one way: first where the scanner was lost, then at one other place a keyframe. Wherever it is found, it must
-//! have begun where the other ended: a corridor looks like the next, and like itself when it is turned round.
+//! in exactly one way: first where the scanner was lost, then at the one place in all of the map that the keyframes of the last
+//! metres agree on ([`anywhere`]). It should have begun where the other ended, for a corridor looks like the next, and like itself when
+//! it is turned round; if it did not (somebody carried the scanner), more of it must fit, and hardly a scan may see other walls.
+
+mod anywhere;
 
 use super::Settings;
 use super::atlas::Atlas;
 use crate::geometry::{Pose, wrap_rad};
+use crate::join::votes::Choice;
 use crate::keyframe::Keyframe;
 use crate::loops::graph::Edge;
-use crate::loops::{Lookup, find_in};
+use crate::loops::{Drift, Lookup, find_in};
 use crate::place::Motion;
+use anywhere::Anywhere;
 
 /// A map is looked for where it was left over so many keyframes, then elsewhere.
 const LOOK_WHERE_LEFT: usize = 8;
 /// How far from the place where it was left it may be, metres, and how much farther for every scan since.
 const LEFT_WINDOW_M: f64 = 1.5;
 const LEFT_WINDOW_PER_SCAN_M: f64 = 0.5;
+/// How far somebody goes and turns while he is lost: standard deviations, metres and radians.
+pub(super) const LOST_M: f64 = 1.5;
+pub(super) const LOST_RAD: f64 = 0.6;
 /// Half the window around other places, metres.
 const OTHER_WINDOW_M: f64 = 4.0;
 /// Way that is compared there, metres: a few metres of corridor look like those of any other, and a map joined at the wrong
@@ -25,18 +33,19 @@ const OTHER_STRETCH_M: f64 = 8.0;
 /// Way that is compared when it is there, metres. So much of a building tells where it is by itself, even if somebody carried
 /// the scanner; and so does a map that was left which is compared as a whole.
 const LONG_STRETCH_M: f64 = 20.0;
+/// Share of the scans that may then see other walls than the map that was left has. (A corridor that had not been seen before was
+/// taken for another one, 105 m off: 20 m of it fitted, but one scan in five saw other walls.)
+const MOST_DISAGREEING: f64 = 0.1;
 /// A map begins where the one before ended: how far off its first scan may be, metres and radians, and how much farther
 /// for every metre of its own way.
 const BEGUN_M: f64 = 4.0;
 const BEGUN_RAD: f64 = 1.2;
 const BEGUN_PER_M: f64 = 0.03;
-/// Two places in a row agree when they put the scanner less far apart than this, metres and radians.
-const AGREE_M: f64 = 0.5;
-const AGREE_RAD: f64 = 0.1;
+/// The scans put the scanner less far from where the votes do than this, metres and radians.
+const AGREE_M: f64 = 1.0;
+const AGREE_RAD: f64 = 0.15;
 /// A smaller map is not looked for.
 const LEAST_KEYFRAMES: usize = 3;
-/// Keyframes between two places that are looked at.
-const CURSOR_STEP: usize = 3;
 
 /// A map that was left, and the motion when it was.
 #[derive(Clone)]
@@ -45,10 +54,8 @@ pub(super) struct Left {
     pub atlas: Atlas,
     /// Scans since.
     pub scans: u32,
-    /// The keyframe where it is looked for next.
-    cursor: usize,
-    /// Pose of the present map in this one, by a place that waits for another to agree.
-    waiting: Option<Pose>,
+    /// The present map's number, and what was made to look for it in all of this one.
+    anywhere: Option<(u32, Anywhere)>,
 }
 
 impl Left {
@@ -58,8 +65,7 @@ impl Left {
             motion,
             atlas,
             scans: 1,
-            cursor: 0,
-            waiting: None,
+            anywhere: None,
         }
     }
 
@@ -67,73 +73,104 @@ impl Left {
     pub fn settle(&mut self, settings: &Settings) -> Vec<usize> {
         let (moved, placed_again) = self.atlas.settle(settings);
         self.motion.map_from_scan = moved * self.motion.map_from_scan;
+        self.anywhere = None;
         placed_again
     }
 
-    /// Looks for the present map, whose keyframes are `new`, in this one.
-    pub fn find(&mut self, new: &[Keyframe], settings: &Settings) -> Option<Edge> {
-        let old = self.atlas.keyframes();
+    /// Makes its keyframes straight again.
+    pub fn straighten(&mut self, share: f64, settings: &Settings) {
+        self.atlas.straighten(share, settings);
+        self.anywhere = None;
+    }
+
+    /// Looks for the present map in this one.
+    pub fn find(&mut self, present: &Atlas, settings: &Settings) -> Option<Edge> {
+        let new = present.keyframes();
         let newest = new.len().checked_sub(1).filter(|&newest| newest > 0)?;
-        if old.len() < LEAST_KEYFRAMES {
+        if self.atlas.keyframes().len() < LEAST_KEYFRAMES {
             return None;
         }
-        let is_where_left = newest <= LOOK_WHERE_LEFT;
-        let lookup = if is_where_left {
-            self.where_left(new, settings)
-        } else {
-            self.elsewhere(new)?
-        };
-        let Some(edge) = find_in(&lookup, &settings.align, &settings.recognise) else {
-            self.cursor = (self.cursor + CURSOR_STEP) % old.len();
-            return None;
-        };
-        let old_from_new = old[edge.from].map_from_scan * edge.motion * new[edge.to].map_from_scan.inverse();
-        let is_whole = old[old.len() - 1].way_m <= OTHER_STRETCH_M;
-        let is_sure = is_where_left || self.is_confirmed(old_from_new, new[edge.to].map_from_scan);
-        let is_possible =
-            self.begins_here(old_from_new, new) || new[newest].way_m >= LONG_STRETCH_M || is_whole;
-        if !is_possible {
-            // A place that looks alike: the next one may be it.
-            self.cursor = (self.cursor + CURSOR_STEP) % self.atlas.keyframes().len();
+        if newest <= LOOK_WHERE_LEFT {
+            let lookup = self.where_left(new, settings);
+            let edge = find_in(&lookup, &settings.align, &settings.recognise)?;
+            let old_from_new = self.old_from_new(&edge, new);
+            return self.begins_here(old_from_new, new).then_some(edge);
         }
-        (is_sure && is_possible).then_some(edge)
+        self.elsewhere(present, settings)
     }
 
     /// The first keyframe of the present map, about where the scanner would be if it had gone on.
     fn where_left<'a>(&'a self, new: &'a [Keyframe], settings: &Settings) -> Lookup<'a> {
         let old = self.atlas.keyframes();
+        let window_m = LEFT_WINDOW_M + LEFT_WINDOW_PER_SCAN_M * f64::from(self.scans).min(8.0);
         Lookup {
             old,
             at: old.len() - 1,
             new,
             anchor: 0,
             centre: self.motion.predicted().map_from_scan,
-            window_m: LEFT_WINDOW_M + LEFT_WINDOW_PER_SCAN_M * f64::from(self.scans).min(8.0),
+            drift: Drift::lost(LOST_M, LOST_RAD, window_m),
             stretch_m: settings.recognise.stretch_m,
         }
     }
 
-    /// The newest keyframe, at the next place; `None` until the present map is long enough.
-    fn elsewhere<'a>(&'a self, new: &'a [Keyframe]) -> Option<Lookup<'a>> {
+    /// The place that the last keyframes agree on, if their scans fit there together.
+    fn elsewhere(&mut self, present: &Atlas, settings: &Settings) -> Option<Edge> {
+        let new = present.keyframes();
+        if new[new.len() - 1].way_m < OTHER_STRETCH_M.min(self.way_m()) {
+            return None;
+        }
+        if self.anywhere.as_ref().is_none_or(|(id, _)| *id != present.id) {
+            self.anywhere = Some((present.id, Anywhere::of(&self.atlas, settings)));
+        }
+        let (_, anywhere) = self.anywhere.as_mut()?;
+        let choice = anywhere.look(new)?;
+        let lookup = self.at_choice(&choice, new)?;
+        let edge = find_in(&lookup, &settings.align, &settings.recognise)?;
+        let (voted, found) = (lookup.centre, self.atlas.pose(edge.from) * edge.motion);
+        let agrees =
+            found.distance(voted) < AGREE_M && wrap_rad(found.theta_rad - voted.theta_rad).abs() < AGREE_RAD;
+        agrees.then_some(edge)
+    }
+
+    /// What has to fit for the present map to be where its keyframes say: the newest of them that is sure of it, and
+    /// the way around. `None` while there is too little, or while too much speaks against it.
+    fn at_choice<'a>(&'a self, choice: &Choice, new: &'a [Keyframe]) -> Option<Lookup<'a>> {
         let old = self.atlas.keyframes();
-        let (tip, newest) = (old.len() - 1, new.len() - 1);
-        let stretch_m = if new[newest].way_m >= LONG_STRETCH_M {
-            LONG_STRETCH_M
-        } else {
+        let begins_here = self.begins_here(choice.first_from_second, new);
+        let stretch_m = if begins_here {
             OTHER_STRETCH_M
+        } else {
+            LONG_STRETCH_M
         };
         // No farther than the map that was left goes.
-        let stretch_m = stretch_m.min(old[tip].way_m);
-        let at = tip - self.cursor;
-        (new[newest].way_m >= stretch_m).then_some(Lookup {
+        let stretch_m = stretch_m.min(self.way_m());
+        let anchor = choice.agreeing.last()?.keyframe;
+        let is_doubtful = !begins_here && choice.disagreeing_share > MOST_DISAGREEING;
+        if is_doubtful || new[anchor].way_m < stretch_m {
+            return None;
+        }
+        let centre = choice.first_from_second * new[anchor].map_from_scan;
+        let distance = |k: &usize| old[*k].map_from_scan.distance(centre);
+        let at = (0..old.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        Some(Lookup {
             old,
             at,
             new,
-            anchor: newest,
-            centre: old[at].map_from_scan,
-            window_m: OTHER_WINDOW_M,
+            anchor,
+            centre,
+            drift: Drift::anywhere(OTHER_WINDOW_M),
             stretch_m,
         })
+    }
+
+    /// How long the way through it is, metres.
+    fn way_m(&self) -> f64 {
+        self.atlas.keyframes().last().map_or(0.0, |k| k.way_m)
+    }
+
+    fn old_from_new(&self, edge: &Edge, new: &[Keyframe]) -> Pose {
+        self.atlas.pose(edge.from) * edge.motion * new[edge.to].map_from_scan.inverse()
     }
 
     /// Whether the present map, placed so in this one, begins where this one was left.
@@ -144,14 +181,5 @@ impl Left {
         let drift = BEGUN_PER_M * newest.way_m;
         begun.distance(left) < BEGUN_M + drift
             && wrap_rad(begun.theta_rad - left.theta_rad).abs() < BEGUN_RAD + 0.1 * drift
-    }
-
-    /// Whether the place before put the scanner, now at `new_from_scan` in the present map, at the same pose.
-    fn is_confirmed(&mut self, old_from_new: Pose, new_from_scan: Pose) -> bool {
-        let before = self.waiting.replace(old_from_new);
-        before.is_some_and(|before| {
-            let (a, b) = (before * new_from_scan, old_from_new * new_from_scan);
-            a.distance(b) < AGREE_M && wrap_rad(a.theta_rad - b.theta_rad).abs() < AGREE_RAD
-        })
     }
 }

@@ -93,7 +93,7 @@ impl Track {
     pub fn straighten(&mut self, share: f64, settings: &Settings) {
         self.atlas.straighten(share, settings);
         for left in &mut self.left {
-            left.atlas.straighten(share, settings);
+            left.straighten(share, settings);
         }
     }
 
@@ -166,7 +166,7 @@ impl Track {
         std::mem::swap(&mut left.atlas, &mut self.atlas);
         std::mem::swap(&mut left.motion, motion);
         motion.lost_scans = left.scans;
-        left.scans = 1;
+        *left = Left::now(left.motion.clone(), std::mem::take(&mut left.atlas));
     }
 
     /// Whether the placed scan shall be merged. Where the heading is open and the map contradicts the scan, it may lie elsewhere:
@@ -209,7 +209,7 @@ impl Track {
     /// Looks for the present map in one that was left. Returns whether it was found and taken in.
     fn join(&mut self, k: usize, step: &mut Step, settings: &Settings) -> bool {
         let left = &mut self.left[k];
-        let Some(edge) = left.find(self.atlas.keyframes(), settings) else {
+        let Some(edge) = left.find(&self.atlas, settings) else {
             return false;
         };
         step.recognised = Some(left.atlas.keyframes()[edge.from].number);

@@ -58,11 +58,17 @@ impl Atlas {
     /// The sides of a map of all keyframes. Laid on the returns, a door frame tells the place along a corridor (simulated
     /// corridor of 40 m, F at 2 cm: 0.83 without, 0.99 with).
     fn walls(&self, settings: &Settings) -> SideGrid {
+        let mut map = self.merged(settings);
+        refit(&mut map, &self.keyframes, &settings.merge);
+        map.skeleton
+    }
+
+    /// All keyframes merged, in order.
+    pub fn merged(&self, settings: &Settings) -> GrowingMap {
         let erased = boxes(&self.keyframes, &settings.eraser);
         let mut map = GrowingMap::default();
         merge_all(&mut map, (0..).zip(&self.keyframes), &erased, &settings.merge);
-        refit(&mut map, &self.keyframes, &settings.merge);
-        map.skeleton
+        map
     }
 
     /// Keyframes that were placed when other places came near.
