@@ -42,15 +42,15 @@ pub(crate) fn splice(map: &mut GrowingMap, runs: &[Run], number: u32, settings: 
         taken: Vec::new(),
         branches: Vec::new(),
     };
-    let mut done = 0;
+    let mut done: usize = 0;
     for run in runs {
         if !chain.push(run, done == 0) {
             break;
         }
         done += 1;
     }
-    let ends_on_map = done > 0 && runs[done - 1].slot.is_some();
-    chain.finish(ends_on_map);
+    let last = done.checked_sub(1).and_then(|k| runs[k].slot);
+    chain.finish(last);
     let Chain {
         vertices,
         taken,
@@ -119,14 +119,16 @@ impl Chain<'_> {
         self.vertices.extend(vertices);
     }
 
-    fn finish(&mut self, ends_on_map: bool) {
+    /// The polyline goes on with what is left of the map polyline that its last run lies on, which may have been taken up before
+    /// others.
+    fn finish(&mut self, last: Option<u32>) {
         for k in 0..self.taken.len() {
             let Taken { slot, upto } = self.taken[k];
             let Some(old) = self.map.polyline(slot) else {
                 continue;
             };
             let tail = old.vertices.get(upto.floor() as usize + 1..).unwrap_or(&[]);
-            if ends_on_map && k + 1 == self.taken.len() {
+            if last == Some(slot) {
                 self.vertices.extend_from_slice(tail);
             } else {
                 self.branch(tail);
@@ -227,4 +229,55 @@ fn closest_on_scan(
             (side.at(side.closest_share(v)), a.hits.min(b.hits))
         })
         .min_by(|p, q| p.0.distance(v).total_cmp(&q.0.distance(v)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::link::runs;
+    use super::*;
+
+    /// Vertices every 5 cm along straight sides between corners.
+    fn drawn(corners: &[(f64, f64)]) -> Vec<ScanPoint> {
+        let corner = |k: usize| Point::new(corners[k].0, corners[k].1);
+        let sides = (1..corners.len()).map(|k| Segment::new(corner(k - 1), corner(k)));
+        sides
+            .flat_map(|side| {
+                let count = (side.length_m() / 0.05).round() as u32;
+                (0..=count).map(move |k| ScanPoint {
+                    vertex: Vertex::new(side.at(f64::from(k) / f64::from(count)), 0),
+                    direction: side.direction().unwrap(),
+                    is_vertex: false,
+                })
+            })
+            .collect()
+    }
+
+    #[test]
+    fn a_wall_that_is_left_for_another_and_come_back_to_goes_on() {
+        let settings = MergeSettings::default();
+        let mut map = GrowingMap::default();
+        for wall in [[(0.0, 0.0), (6.0, 0.0)], [(2.0, 0.2), (3.0, 0.2)]] {
+            map.add(drawn(&wall).iter().map(|p| p.vertex).collect());
+        }
+        let scan = drawn(&[
+            (0.5, 0.0),
+            (2.0, 0.0),
+            (2.1, 0.2),
+            (2.3, 0.2),
+            (2.4, 0.0),
+            (5.0, 0.0),
+        ]);
+        let runs = runs(&map, &scan, settings.gate_m);
+        assert_eq!(splice(&mut map, &runs, 1, &settings), runs.len());
+        let has = |x_m: f64, y_m: f64| {
+            let mut vertices = map.polylines().flat_map(|(_, p)| &p.vertices);
+            vertices.any(|v| v.point.distance(Point::new(x_m, y_m)) < 0.1)
+        };
+        let lost: Vec<f64> = (0..60)
+            .map(|k| 0.1 * f64::from(k))
+            .filter(|&x| !has(x, 0.0))
+            .collect();
+        assert!(lost.is_empty(), "the wall ends on {lost:?}");
+        assert!(has(2.8, 0.2), "and so does the other");
+    }
 }
