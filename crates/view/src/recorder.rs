@@ -36,8 +36,8 @@ impl<A: Sink> Sink for Option<A> {
 /// and then; between two of them the page shows the polylines that were merged since.
 #[derive(Clone, Copy, Debug)]
 pub enum Snapshots {
-    /// Each time the number of merged scans is three times what it was: the same record for the same log, and half as much time again as
-    /// the last map takes.
+    /// Each time the number of merged scans is three times what it was: the same record for the same log, and half as much
+    /// time again as the last map takes.
     Tripling,
     /// As often as this share of the time allows, but a map that takes longer than `longest` is only made when
     /// [`Recorder::idle`] says that there is time.

@@ -3,17 +3,16 @@
 //! In: two maps with their keyframes ([`SavedMap`]). Out: one map with all keyframes, or why they were not joined.
 //!
 //! 1. Keyframes of the second map, a metre and more apart, are looked for in the first one by themselves (`locate`); each
-//!    pose found says where the second map would lie (`votes`).
+//!    pose found says where the second map would lie (`locate::votes`).
 //! 2. The place that most keyframes agree on is taken if enough do, if few of those that see the first map there
 //!    disagree, and if no other place has half as many. Maps of two houses agree by chance in a keyframe or
 //!    two; a house with two equal wings is ambiguous.
 //! 3. Keyframes that were found are tied to the first map, the poses adjusted (`loops`), then all along where both saw the
 //!    same walls, and adjusted again. The map is made anew from all keyframes.
 
-pub(crate) mod votes;
-
 use crate::align::Information;
 use crate::geometry::Pose;
+use crate::locate::votes::{Found, Placed, Trust, choose, look};
 use crate::locate::{LocateSettings, Locator};
 use crate::loops::graph::Edge;
 use crate::loops::ties;
@@ -21,7 +20,8 @@ use crate::map::Map;
 use crate::mapper::atlas::Atlas;
 use crate::mapper::{Revoked, Settings};
 use crate::scan::Scan;
-use votes::{Found, Placed, Trust, choose, look};
+
+pub use crate::locate::votes::NotJoined;
 
 /// A keyframe as it is kept.
 #[derive(Clone, Debug)]
@@ -62,48 +62,6 @@ pub struct SavedMap {
     pub edges: Vec<SavedEdge>,
 }
 
-/// Why two maps were not joined.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum NotJoined {
-    /// One of the maps has nothing to compare.
-    #[error("one of the maps has no keyframes")]
-    Empty,
-    /// Too few places of the second map are found in the first.
-    #[error(
-        "they have too little in common: {agreeing} of {looked_for} places of the second map are found in the first and agree, {needed} are needed"
-    )]
-    TooLittle {
-        /// Keyframes that agree.
-        agreeing: usize,
-        /// Keyframes that were looked for.
-        looked_for: usize,
-        /// Keyframes that have to agree.
-        needed: usize,
-    },
-    /// Where the maps would overlap, they show different things.
-    #[error(
-        "they do not fit: {disagreeing} of {overlapping} places of the second map see other walls than the first map has there"
-    )]
-    Contradiction {
-        /// Keyframes that disagree.
-        disagreeing: usize,
-        /// Keyframes of which the first map says something.
-        overlapping: usize,
-    },
-    /// There is more than one way.
-    #[error(
-        "it is ambiguous: {agreeing} places of the second map agree on one way to join them, {other} on another, {apart_m:.1} m apart"
-    )]
-    Ambiguous {
-        /// Keyframes that agree on the best way.
-        agreeing: usize,
-        /// Keyframes that agree on the next best.
-        other: usize,
-        /// How far apart the ways put the second map, metres.
-        apart_m: f64,
-    },
-}
-
 /// Two maps that have become one.
 #[derive(Clone, Debug)]
 pub struct Joined {
@@ -117,13 +75,6 @@ pub struct Joined {
     pub tied: usize,
 }
 
-/// Fewest keyframes that have to agree, a metre apart or more.
-const LEAST_AGREEING: usize = 5;
-/// Share of the keyframes looked for that have to agree: of a hundred keyframes of another building, four or five agree by
-/// chance.
-const LEAST_AGREEING_SHARE: f64 = 0.1;
-/// Another way to join them may have this share of the votes.
-const MOST_OTHER: f64 = 0.5;
 /// What the walls of a map know is worse than their noise says, metres and radians.
 const FOUND_SIGMA_M: f64 = 0.02;
 const FOUND_SIGMA_RAD: f64 = 0.005;

@@ -7,11 +7,14 @@
 //!    every beam ends, what it went through, and of what the map says nothing.
 //! 3. *Located* is a scan that fits, and from no other pose nearly as well; *ambiguous* one that fits, but from another
 //!    pose as well or anywhere along a wall; *not found* one that fits nowhere.
+//!
+//! Many scans of one map, each located in another, vote on where the one lies in the other (`votes`).
 
 mod field;
 mod likelihood;
 mod search;
 mod tracker;
+pub(crate) mod votes;
 
 use crate::align::{AlignSettings, Alignment, Guess, Information, SidePoint, align_to_grid, side_points};
 use crate::extract::{ExtractSettings, RunningNoise, extract};

@@ -11,7 +11,6 @@ mod settle;
 mod shown;
 mod straighten;
 
-use super::left::{LOST_M, LOST_RAD};
 use super::{Revoked, Settings, Step};
 use enough::needed;
 use local::Local;
@@ -50,6 +49,10 @@ const TIE_SIGMA_RAD: f64 = 0.003;
 const AGREE_M: f64 = 0.4;
 /// Closures that ask for more drift than is usual must agree over this way, metres: one that looks alike slides along.
 const CONFIRM_FAR_M: f64 = 4.0;
+
+/// How far somebody goes and turns while he is lost: standard deviations, metres and radians.
+pub(super) const LOST_M: f64 = 1.5;
+pub(super) const LOST_RAD: f64 = 0.6;
 
 /// A scan is merged when the scanner has moved or turned so far since the last merged one (metres, radians), ...
 const KEYFRAME_M: f64 = 0.25;

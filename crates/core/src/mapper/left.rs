@@ -8,10 +8,10 @@
 mod anywhere;
 
 use super::Settings;
-use super::atlas::Atlas;
+use super::atlas::{Atlas, LOST_M, LOST_RAD};
 use crate::geometry::{Pose, wrap_rad};
-use crate::join::votes::Choice;
 use crate::keyframe::Keyframe;
+use crate::locate::votes::Choice;
 use crate::loops::graph::Edge;
 use crate::loops::{Drift, Lookup, find_in};
 use crate::place::Motion;
@@ -22,9 +22,6 @@ const LOOK_WHERE_LEFT: usize = 8;
 /// How far from the place where it was left it may be, metres, and how much farther for every scan since.
 const LEFT_WINDOW_M: f64 = 1.5;
 const LEFT_WINDOW_PER_SCAN_M: f64 = 0.5;
-/// How far somebody goes and turns while he is lost: standard deviations, metres and radians.
-pub(super) const LOST_M: f64 = 1.5;
-pub(super) const LOST_RAD: f64 = 0.6;
 /// Half the window around other places, metres.
 const OTHER_WINDOW_M: f64 = 4.0;
 /// Way that is compared there, metres: a few metres of corridor look like those of any other, and a map joined at the wrong

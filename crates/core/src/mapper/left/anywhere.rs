@@ -7,8 +7,8 @@
 
 use std::sync::Arc;
 
-use crate::join::votes::{Choice, Found, Trust, choose};
 use crate::keyframe::Keyframe;
+use crate::locate::votes::{Choice, Found, Trust, choose};
 use crate::locate::{LocateSettings, Locator};
 use crate::mapper::Settings;
 use crate::mapper::atlas::Atlas;

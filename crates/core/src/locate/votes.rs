@@ -1,11 +1,17 @@
 //! Where one map lies in another, by the votes of its keyframes.
 
-use super::{LEAST_AGREEING, LEAST_AGREEING_SHARE, MOST_OTHER, NotJoined};
+use super::{Fix, Locator, Verdict};
 use crate::align::Information;
 use crate::geometry::{Point, Pose, wrap_rad};
 use crate::keyframe::Keyframe;
-use crate::locate::{Fix, Locator, Verdict};
 
+/// Fewest keyframes that have to agree, a metre apart or more.
+const LEAST_AGREEING: usize = 5;
+/// Share of the keyframes looked for that have to agree: of a hundred keyframes of another building, four or five agree by
+/// chance.
+const LEAST_AGREEING_SHARE: f64 = 0.1;
+/// Another way to join them may have this share of the votes.
+const MOST_OTHER: f64 = 0.5;
 /// Way between two keyframes that are looked for, metres; a turn by a radian counts as a metre.
 const LOOK_AFTER_M: f64 = 1.0;
 /// Keyframes looked for at most.
@@ -18,6 +24,48 @@ const AGREE_M: f64 = 1.0;
 const AGREE_RAD: f64 = 0.15;
 /// A keyframe sees the first map if that says something of this share of its beams.
 const LEAST_KNOWN: f64 = 0.5;
+
+/// Why two maps were not joined.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NotJoined {
+    /// One of the maps has nothing to compare.
+    #[error("one of the maps has no keyframes")]
+    Empty,
+    /// Too few places of the second map are found in the first.
+    #[error(
+        "they have too little in common: {agreeing} of {looked_for} places of the second map are found in the first and agree, {needed} are needed"
+    )]
+    TooLittle {
+        /// Keyframes that agree.
+        agreeing: usize,
+        /// Keyframes that were looked for.
+        looked_for: usize,
+        /// Keyframes that have to agree.
+        needed: usize,
+    },
+    /// Where the maps would overlap, they show different things.
+    #[error(
+        "they do not fit: {disagreeing} of {overlapping} places of the second map see other walls than the first map has there"
+    )]
+    Contradiction {
+        /// Keyframes that disagree.
+        disagreeing: usize,
+        /// Keyframes of which the first map says something.
+        overlapping: usize,
+    },
+    /// There is more than one way.
+    #[error(
+        "it is ambiguous: {agreeing} places of the second map agree on one way to join them, {other} on another, {apart_m:.1} m apart"
+    )]
+    Ambiguous {
+        /// Keyframes that agree on the best way.
+        agreeing: usize,
+        /// Keyframes that agree on the next best.
+        other: usize,
+        /// How far apart the ways put the second map, metres.
+        apart_m: f64,
+    },
+}
 
 /// What a place must have to be believed.
 #[derive(Clone, Copy, Debug)]
@@ -76,7 +124,7 @@ pub(crate) struct Choice {
 }
 
 /// Looks for keyframes of the second map in the first.
-pub(super) fn look(locator: &Locator, keyframes: &[Keyframe]) -> Vec<Found> {
+pub(crate) fn look(locator: &Locator, keyframes: &[Keyframe]) -> Vec<Found> {
     let apart = apart(keyframes);
     let step = apart.len().div_ceil(MOST_LOOKED).max(1);
     apart
