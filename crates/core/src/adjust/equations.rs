@@ -110,6 +110,7 @@ impl Equations {
             &mut self.line_gradients[view.line],
         );
         let mut coupling = [[0.0; 2]; 3];
+        let pose = pose.isometry();
         for point in view.points.iter().map(|&k| &keyframe.points[k as usize]) {
             let arm = pose.rotate(point.point);
             let from_middle = arm + pose.translation() - line.middle;

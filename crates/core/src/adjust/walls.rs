@@ -52,7 +52,7 @@ impl Walls {
 
 /// The lines that a keyframe sees.
 fn views(number: usize, keyframe: &Keyframe, sides: &SideGrid, gate_m: f64) -> Vec<View> {
-    let pose = keyframe.map_from_scan;
+    let map_from_scan = keyframe.map_from_scan.isometry();
     let mut found: Vec<(u32, u32)> = Vec::new();
     let mut reader = sides.reader();
     for (k, p) in (0_u32..).zip(keyframe.points.iter()) {
@@ -60,12 +60,12 @@ fn views(number: usize, keyframe: &Keyframe, sides: &SideGrid, gate_m: f64) -> V
             continue;
         }
         let near = Near {
-            direction: pose.rotate(p.direction),
+            direction: map_from_scan.rotate(p.direction),
             min_cos: MIN_COS,
             max_distance_m: gate_m,
             beyond_ends: false,
         };
-        let foot = reader.nearest(pose * p.point, &near, |_| true);
+        let foot = reader.nearest(map_from_scan * p.point, &near, |_| true);
         found.extend(foot.map(|foot| (foot.side, k)));
     }
     found.sort_unstable();

@@ -19,6 +19,6 @@ pub use angle::wrap_rad;
 pub(crate) use curve::Bends;
 pub use point::Point;
 pub use polyline::{Polyline, PolylineError};
-pub use pose::Pose;
+pub use pose::{Isometry, Pose};
 pub use segment::Segment;
 pub(crate) use side_grid::{Crossing, GridReader, Near, Side, SideGrid};

@@ -60,16 +60,23 @@ impl Pose {
     /// The vector `v` turned, not shifted.
     #[must_use]
     pub fn rotate(self, v: Point) -> Point {
-        let (sin, cos) = self.theta_rad.sin_cos();
-        Point::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y)
+        self.isometry().rotate(v)
     }
 
-    /// Points of frame b seen in frame a; the sine and cosine are taken once.
-    pub fn transform<'a>(self, points: impl IntoIterator<Item = &'a Point>) -> impl Iterator<Item = Point> {
+    /// The same motion with sine and cosine taken, for many points.
+    #[must_use]
+    pub fn isometry(self) -> Isometry {
         let (sin, cos) = self.theta_rad.sin_cos();
-        points
-            .into_iter()
-            .map(move |p| Point::new(self.x + cos * p.x - sin * p.y, self.y + sin * p.x + cos * p.y))
+        Isometry {
+            ahead: Point::new(cos, sin),
+            shift: self.translation(),
+        }
+    }
+
+    /// Points of frame b seen in frame a.
+    pub fn transform<'a>(self, points: impl IntoIterator<Item = &'a Point>) -> impl Iterator<Item = Point> {
+        let a_from_b = self.isometry();
+        points.into_iter().map(move |&p| a_from_b * p)
     }
 
     /// Distance between the origins of two poses, metres.
@@ -90,9 +97,40 @@ impl Mul for Pose {
 
 impl Mul<Point> for Pose {
     type Output = Point;
+    fn mul(self, p: Point) -> Point {
+        self.isometry() * p
+    }
+}
+
+/// A rigid motion of the plane that is asked for many points: see [`Pose::isometry`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Isometry {
+    /// Unit vector along the x axis of frame b, frame a.
+    ahead: Point,
+    /// Origin of frame b, frame a, metres.
+    shift: Point,
+}
+
+impl Isometry {
+    /// The vector `v` turned, not shifted.
+    #[must_use]
+    pub fn rotate(&self, v: Point) -> Point {
+        let Point { x: cos, y: sin } = self.ahead;
+        Point::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y)
+    }
+
+    /// Where the origin goes.
+    #[must_use]
+    pub fn translation(&self) -> Point {
+        self.shift
+    }
+}
+
+impl Mul<Point> for Isometry {
+    type Output = Point;
     #[expect(clippy::suspicious_arithmetic_impl, reason = "a motion turns, then shifts")]
     fn mul(self, p: Point) -> Point {
-        self.rotate(p) + self.translation()
+        self.rotate(p) + self.shift
     }
 }
 

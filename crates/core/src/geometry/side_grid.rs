@@ -9,8 +9,10 @@ use super::cell_lists::{CellLists, Reader};
 use super::cells::{CELL_M, Cell, CellWalk, cell_at, cell_of, for_each_cell};
 use super::{Bends, Point, Segment};
 
-/// A side in the grid: which polyline it belongs to, and where.
+/// A side in the grid: which polyline it belongs to, and where. One line of the processor's cache: most of what the grid does is
+/// to look at sides here and there.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
 pub(crate) struct Side {
     pub segment: Segment,
     /// Unit vector from start to end.
@@ -20,10 +22,9 @@ pub(crate) struct Side {
     pub owner: u32,
     /// Number of the side within its polyline.
     pub index: u32,
-    /// Whether it starts or ends its polyline, or both.
-    ends: u8,
 }
 
+/// Whether a side starts or ends its polyline, or both.
 const STARTS: u8 = 1;
 const ENDS: u8 = 2;
 
@@ -42,13 +43,7 @@ impl Side {
             length_m: segment.length_m(),
             owner,
             index,
-            ends: 0,
         })
-    }
-
-    /// Whether `along_m` from the start lies before the first or behind the last vertex of the polyline.
-    fn is_beyond_end(&self, along_m: f64) -> bool {
-        (along_m < 0.0 && self.ends & STARTS != 0) || (along_m > self.length_m && self.ends & ENDS != 0)
     }
 }
 
@@ -88,6 +83,8 @@ pub(crate) struct Near {
 #[derive(Clone, Default)]
 pub(crate) struct SideGrid {
     sides: Vec<Side>,
+    /// By side, whether it is an end of its polyline: [`STARTS`], [`ENDS`].
+    ends: Vec<u8>,
     /// By side, how it bends into the sides before and behind it; none in a grid of dense sides.
     bends: Vec<Bends>,
     unused: Vec<u32>,
@@ -147,7 +144,7 @@ impl SideGrid {
         }
         let mut ids = std::mem::take(&mut self.of_owner[owner as usize]);
         for end in [ids.first(), ids.last()].into_iter().flatten() {
-            self.sides[*end as usize].ends = 0;
+            self.ends[*end as usize] = 0;
         }
         let vertices: Vec<Point> = vertices.into_iter().collect();
         let (head, tail) = self.unchanged(&ids, &vertices);
@@ -172,8 +169,8 @@ impl SideGrid {
         }
         ids.splice(gone, new);
         if let (Some(&first), Some(&last)) = (ids.first(), ids.last()) {
-            self.sides[first as usize].ends |= STARTS;
-            self.sides[last as usize].ends |= ENDS;
+            self.ends[first as usize] |= STARTS;
+            self.ends[last as usize] |= ENDS;
         }
         self.of_owner[owner as usize] = ids;
     }
@@ -230,6 +227,7 @@ impl SideGrid {
     /// Puts a side in the place of another; returns its number.
     fn replace(&mut self, id: u32, side: Side) -> u32 {
         let before = std::mem::replace(&mut self.sides[id as usize], side).segment;
+        self.ends[id as usize] = 0;
         let is_same_cell = |p: Point, q: Point| cell_at(p) == cell_at(q);
         let segment = side.segment;
         let stays = is_same_cell(segment.a, before.a)
@@ -252,9 +250,11 @@ impl SideGrid {
     fn add(&mut self, side: Side) -> u32 {
         let id = self.unused.pop().unwrap_or_else(|| {
             self.sides.push(side);
+            self.ends.push(0);
             (self.sides.len() - 1) as u32
         });
         self.sides[id as usize] = side;
+        self.ends[id as usize] = 0;
         for_each_cell(side.segment, |cell| self.cells.add(cell, id));
         id
     }
@@ -265,6 +265,12 @@ impl SideGrid {
             grid: self,
             cells: self.cells.reader(),
         }
+    }
+
+    /// Whether `along_m` from the start of a side lies before the first or behind the last vertex of its polyline.
+    fn is_beyond_end(&self, side: u32, along_m: f64) -> bool {
+        let ends = self.ends[side as usize];
+        (along_m < 0.0 && ends & STARTS != 0) || (along_m > self.side(side).length_m && ends & ENDS != 0)
     }
 
     /// What decides between two sides that are equally near.
@@ -418,7 +424,7 @@ impl Nearest<'_> {
             if distance_m > self.reach_m || !allowed(side.owner) {
                 continue;
             }
-            if !self.near.beyond_ends && side.is_beyond_end(along_m) {
+            if !self.near.beyond_ends && self.grid.is_beyond_end(id, along_m) {
                 continue;
             }
             let is_closer = self.foot.is_none_or(|best| {

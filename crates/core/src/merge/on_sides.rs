@@ -3,6 +3,8 @@
 //! In: the map, the keyframes with their poses. Out, for every piece of some centimetres of every side of the skeletons: how
 //! far off the side the returns lie, and whether returns cover it.
 
+use std::borrow::Borrow;
+
 use super::growing_map::GrowingMap;
 use crate::geometry::{Near, Point};
 use crate::keyframe::Keyframe;
@@ -46,7 +48,7 @@ pub(crate) struct Piece {
 
 impl OnSides {
     /// `gate_m`: how far from its side a return may lie; `spacing_m`: length of a piece.
-    pub fn of(map: &GrowingMap, keyframes: &[Keyframe], gate_m: f64, spacing_m: f64) -> Self {
+    pub fn of(map: &GrowingMap, keyframes: &[impl Borrow<Keyframe>], gate_m: f64, spacing_m: f64) -> Self {
         let mut first = vec![0];
         for side in map.skeleton.numbered() {
             let pieces = (side.length_m / spacing_m).round().max(1.0) as usize;
@@ -55,11 +57,12 @@ impl OnSides {
         let mut returns: Vec<Vec<f64>> = vec![Vec::new(); first[first.len() - 1]];
         let mut due: Vec<f64> = vec![0.0; returns.len()];
         let mut reader = map.skeleton.reader();
-        for keyframe in keyframes {
+        for keyframe in keyframes.iter().map(Borrow::borrow) {
+            let map_from_scan = keyframe.map_from_scan.isometry();
             for p in keyframe.standing_points() {
-                let place = keyframe.map_from_scan * p.point;
+                let place = map_from_scan * p.point;
                 let near = Near {
-                    direction: keyframe.map_from_scan.rotate(p.direction),
+                    direction: map_from_scan.rotate(p.direction),
                     min_cos: MIN_COS,
                     max_distance_m: gate_m,
                     beyond_ends: false,

@@ -46,6 +46,7 @@ fn sides_looked_through(
     settings: &MergeSettings,
 ) -> Vec<(u32, u32)> {
     let origin = map_from_scan.translation();
+    let map_from_scan = map_from_scan.isometry();
     let mut through = Vec::new();
     let mut reader = map.dense.reader();
     for (_, point) in scan.points() {
@@ -87,11 +88,15 @@ fn sides_missed(
             .and_then(|p| p.vertices.get(side.index as usize));
         vertex.is_some_and(|v| v.onward.hits > FEW_HITS)
     };
+    let map_from_scan = map_from_scan.isometry();
     let mut missed = Vec::new();
     let mut reader = map.dense.reader();
     let mut met: Vec<Crossing> = Vec::new();
-    for (beam, _) in scan.ranges_m().iter().enumerate().filter(|(_, r)| !r.is_finite()) {
-        let direction = Point::from_polar(1.0, scan.bearing_rad(beam) + map_from_scan.theta_rad);
+    for (range_m, ray) in scan.ranges_m().iter().zip(scan.rays()) {
+        if range_m.is_finite() {
+            continue;
+        }
+        let direction = map_from_scan.rotate(ray);
         met.clear();
         reader.along_ray(origin, direction, 0.95 * farthest_m, |crossing| {
             met.push(crossing);
@@ -204,8 +209,9 @@ fn count_met(map: &mut GrowingMap, keyframes: &[Keyframe], gate_m: f64) {
         beyond_ends: true,
     };
     for (number, keyframe) in (0..).zip(keyframes) {
+        let map_from_scan = keyframe.map_from_scan.isometry();
         for (_, point) in keyframe.scan.points() {
-            if let Some(foot) = reader.nearest(keyframe.map_from_scan * point, &anywhere, |_| true) {
+            if let Some(foot) = reader.nearest(map_from_scan * point, &anywhere, |_| true) {
                 let (slot, index) = named[missed.side(foot.side).owner as usize];
                 map.meet(slot, index, number);
             }

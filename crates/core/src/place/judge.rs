@@ -81,6 +81,7 @@ impl Agreement {
 /// Compares the returns with the sides of `map`, seen from `map_from_scan`; `gate_m` is the distance at which a return
 /// still lies on a side.
 pub(crate) fn judge(points: &[SidePoint], map: &SideGrid, map_from_scan: Pose, gate_m: f64) -> Agreement {
+    let map_from_scan = map_from_scan.isometry();
     let origin = map_from_scan.translation();
     let mut agreement = Agreement {
         beams: points.len(),
@@ -88,11 +89,11 @@ pub(crate) fn judge(points: &[SidePoint], map: &SideGrid, map_from_scan: Pose, g
     };
     let mut reader = map.reader();
     for p in points {
-        let place = map_from_scan * p.point;
-        let range_m = origin.distance(place);
-        let Some(direction) = (place - origin).unit() else {
+        let arm = map_from_scan.rotate(p.point);
+        let Some(direction) = arm.unit() else {
             continue;
         };
+        let (place, range_m) = (origin + arm, arm.norm());
         let reach_m = range_m + 2.0;
         let mut on_map = false;
         let mut first: Option<Crossing> = None;

@@ -108,9 +108,13 @@ enum Line {
 /// Those of `out`.
 pub fn write_keyframes(out: &mut impl Write, file: &KeyframeFile) -> io::Result<()> {
     let mut out = GzEncoder::new(out, Compression::new(6));
+    let mut text = Vec::new();
     let mut put = |line: &Line| -> io::Result<()> {
-        serde_json::to_writer(&mut out, line)?;
-        out.write_all(b"\n")
+        // Packed line by line: number by number takes twice the time.
+        text.clear();
+        serde_json::to_writer(&mut text, line)?;
+        text.push(b'\n');
+        out.write_all(&text)
     };
     put(&Line::Head {
         format: FORMAT.to_owned(),

@@ -55,6 +55,25 @@ pub(super) fn needed(
     needed
 }
 
+/// At most `most` keyframes of every view, spread over all that have it, in order.
+pub(super) fn few_of_each_view(keyframes: &[Keyframe], most: usize) -> Vec<(u32, &Keyframe)> {
+    let views = || keyframes.iter().map(|k| view(k.map_from_scan));
+    let mut counts: HashMap<(i32, i32, i32), usize> = HashMap::new();
+    views().for_each(|view| *counts.entry(view).or_default() += 1);
+    let mut seen: HashMap<(i32, i32, i32), usize> = HashMap::new();
+    (0_u32..)
+        .zip(keyframes)
+        .zip(views())
+        .filter(|(_, view)| {
+            let (count, seen) = (counts[view], seen.entry(*view).or_default());
+            *seen += 1;
+            // The part of `most` that falls to the first `seen` of them grows with this one.
+            *seen * most / count > (*seen - 1) * most / count || count <= most
+        })
+        .map(|(numbered, _)| numbered)
+        .collect()
+}
+
 /// Square and heading that a pose lies in.
 fn view(pose: Pose) -> (i32, i32, i32) {
     let part = |value: f64, size: f64| (value / size).floor() as i32;
@@ -92,6 +111,21 @@ mod tests {
         let (keyframes, around, ways_m) = rounds(100);
         let taken = needed(&keyframes, &[], &around, &ways_m);
         assert_eq!(taken, around[1000 - ENOUGH..]);
+    }
+
+    #[test]
+    fn every_view_has_its_few_from_first_to_last() {
+        let (keyframes, _, _) = rounds(30);
+        let few: Vec<u32> = few_of_each_view(&keyframes, 3).iter().map(|f| f.0).collect();
+        let of_place = |place: u32| {
+            few.iter()
+                .copied()
+                .filter(|k| k % 10 == place)
+                .collect::<Vec<_>>()
+        };
+        assert_eq!(of_place(0), [90, 190, 290]);
+        assert_eq!(few.len(), 30);
+        assert_eq!(few_of_each_view(&keyframes, 30).len(), keyframes.len());
     }
 
     #[test]

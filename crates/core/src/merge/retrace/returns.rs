@@ -62,12 +62,13 @@ impl Returns {
             return Self::default();
         }
         for keyframe in keyframes {
+            let map_from_scan = keyframe.map_from_scan.isometry();
             for p in keyframe.standing_points() {
-                let place = keyframe.map_from_scan * p.point;
+                let place = map_from_scan * p.point;
                 if let Some(returns) = cells.get_mut(&cell_of(place)) {
                     returns.push(Return {
                         place,
-                        direction: keyframe.map_from_scan.rotate(p.direction),
+                        direction: map_from_scan.rotate(p.direction),
                         spread_m: spread_m(keyframe, p.point, p.direction),
                     });
                 }
