@@ -8,27 +8,31 @@ use std::thread::{self, JoinHandle};
 use crate::record::Line;
 use crate::recorder::Sink;
 
-/// Lines that wait to be written; when there are more, the mapper waits.
-const MOST_WAITING: usize = 1024;
+/// Lines that are handed over together: waking the other thread for each takes as long as writing it.
+const AT_ONCE: usize = 64;
+/// Hands full of lines that wait to be written; when there are more, the mapper waits.
+const MOST_WAITING: usize = 16;
 
-/// Gives every line to a sink on another thread. What goes wrong there is told with the next line, or at the end.
+/// Gives every line to a sink on another thread. What goes wrong there is told with one of the next lines, or at the end.
 pub struct Background<S> {
-    lines: Option<SyncSender<Arc<Line>>>,
+    lines: Option<SyncSender<Vec<Arc<Line>>>>,
+    gathered: Vec<Arc<Line>>,
     thread: Option<JoinHandle<io::Result<S>>>,
 }
 
 impl<S: Sink + Send + 'static> Background<S> {
     /// Starts the thread.
     pub fn new(mut sink: S) -> Self {
-        let (lines, waiting) = sync_channel::<Arc<Line>>(MOST_WAITING);
+        let (lines, waiting) = sync_channel::<Vec<Arc<Line>>>(MOST_WAITING);
         let thread = thread::spawn(move || {
-            for line in waiting {
+            for line in waiting.into_iter().flatten() {
                 sink.take(&line)?;
             }
             Ok(sink)
         });
         Self {
             lines: Some(lines),
+            gathered: Vec::with_capacity(AT_ONCE),
             thread: Some(thread),
         }
     }
@@ -38,11 +42,21 @@ impl<S: Sink + Send + 'static> Background<S> {
     /// # Errors
     /// Those of the sink.
     pub fn finish(mut self) -> io::Result<S> {
+        // Where the thread has ended, its fault is told below.
+        let _ = self.hand_over();
         self.lines = None;
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(result)) => result,
             Some(Err(_)) | None => Err(io::Error::other("the thread that writes has died")),
         }
+    }
+
+    /// Gives what was gathered to the thread; whether that still takes it.
+    fn hand_over(&mut self) -> bool {
+        let gathered = std::mem::replace(&mut self.gathered, Vec::with_capacity(AT_ONCE));
+        self.lines
+            .as_ref()
+            .is_some_and(|lines| lines.send(gathered).is_ok())
     }
 
     /// What the thread died of.
@@ -57,11 +71,9 @@ impl<S: Sink + Send + 'static> Background<S> {
 
 impl<S: Sink + Send + 'static> Sink for Background<S> {
     fn take(&mut self, line: &Arc<Line>) -> io::Result<()> {
-        let sent = self
-            .lines
-            .as_ref()
-            .is_some_and(|lines| lines.send(Arc::clone(line)).is_ok());
-        if sent { Ok(()) } else { Err(self.fault()) }
+        self.gathered.push(Arc::clone(line));
+        let is_taken = self.gathered.len() < AT_ONCE || self.hand_over();
+        if is_taken { Ok(()) } else { Err(self.fault()) }
     }
 }
 

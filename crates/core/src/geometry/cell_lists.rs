@@ -77,8 +77,8 @@ impl CellLists {
     }
 }
 
-/// Blocks along an edge of the square of blocks that a reader remembers (16 m).
-const REMEMBERED: usize = 4;
+/// Blocks along an edge of the square of blocks that a reader remembers (16 m), a power of two.
+const REMEMBERED: usize = 8;
 
 /// Looks into cells; remembers the blocks that it has seen, one for each remainder of column and row.
 pub(super) struct Reader<'a> {

@@ -3,7 +3,7 @@
 use super::{Point, Segment};
 
 /// Edge of a cell, metres.
-pub(super) const CELL_M: f64 = 0.5;
+pub(super) const CELL_M: f64 = 0.25;
 
 /// A cell by its column and row.
 pub(super) type Cell = (i32, i32);
