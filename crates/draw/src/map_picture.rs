@@ -123,11 +123,15 @@ fn way(trajectory: &[TrajectoryPoint], wall_px: f64) -> Layer {
     for run in &runs {
         layer.line(run.iter().copied(), stroke);
     }
-    for run in trajectory
-        .split(|t| !is_doubtful(t))
-        .filter(|run| !run.is_empty())
-    {
-        layer.line(doubtful_line(run), doubtful_stroke(wall_px));
+    let doubtful = doubtful_stroke(wall_px);
+    for run in trajectory.split(|t| !is_doubtful(t)) {
+        let line = run.iter().map(|t| t.map_from_scan.translation());
+        // A scan or two make no line to be seen on a map of a hundred metres.
+        if let Some(first) = line.clone().next() {
+            let rim = Stroke::new(doubtful.colour, 1.0);
+            layer.marker(first, 0.7 * doubtful.width_px, doubtful.colour, rim);
+            layer.line(line, doubtful);
+        }
     }
     let places = || runs.iter().flatten().filter(|p| p.is_finite());
     if let (Some(&start), Some(&end)) = (places().next(), places().next_back()) {
@@ -138,17 +142,6 @@ fn way(trajectory: &[TrajectoryPoint], wall_px: f64) -> Layer {
         layer.marks.push(name(end, "end"));
     }
     layer
-}
-
-/// The places of a run of scans; a single one gives a short stroke about it.
-fn doubtful_line(run: &[TrajectoryPoint]) -> Vec<Point> {
-    const HALF_M: f64 = 0.05;
-    match run {
-        [only] => [-HALF_M, HALF_M]
-            .map(|ahead_m| only.map_from_scan * Point::new(ahead_m, 0.0))
-            .to_vec(),
-        _ => run.iter().map(|t| t.map_from_scan.translation()).collect(),
-    }
 }
 
 fn name(at: Point, text: &str) -> Mark {
