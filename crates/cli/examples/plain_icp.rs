@@ -15,6 +15,7 @@ use std::path::Path;
 use anyhow::Context;
 use polymapper_core::align::Information;
 use polymapper_core::geometry::{Point, Pose, wrap_rad};
+use polymapper_core::mapper::Quality;
 use polymapper_core::scan::Scan;
 use polymapper_io::log::{self, Entry, ReadOptions};
 use polymapper_io::out::{Outcome, TrajectoryRow, write_trajectory_csv};
@@ -72,6 +73,7 @@ fn follow(log: &Path) -> anyhow::Result<Vec<TrajectoryRow>> {
         };
         rows.push(TrajectoryRow {
             recognised: None,
+            quality: Quality::default(),
             scan,
             stamp_s,
             outcome,

@@ -12,6 +12,8 @@ use polymapper_io::out::{
     write_keyframes, write_map, write_trajectory_csv, write_trajectory_tum,
 };
 
+use crate::mapping::Noted;
+
 const KEYFRAMES: &str = "keyframes.jsonl.gz";
 /// How the reason of a line that could not be used begins.
 pub const UNUSABLE: &str = "unusable line";
@@ -35,7 +37,7 @@ impl MapFolder {
         lines: Vec<LaserLine>,
         map: Map,
         outcomes: Vec<Outcome>,
-        recognised: &[Option<usize>],
+        noted: &[Noted],
         mut saved: SavedMap,
     ) -> anyhow::Result<Self> {
         let usable: Vec<usize> = (0..lines.len()).filter(|&k| lines[k].fault.is_none()).collect();
@@ -46,7 +48,7 @@ impl MapFolder {
         }
         Ok(Self {
             map,
-            rows: trajectory(lines, outcomes, recognised)?,
+            rows: trajectory(lines, outcomes, noted)?,
             saved,
             partial: None,
             turned_rad: 0.0,
@@ -146,17 +148,17 @@ impl LaserLine {
 fn trajectory(
     lines: Vec<LaserLine>,
     outcomes: Vec<Outcome>,
-    recognised: &[Option<usize>],
+    noted: &[Noted],
 ) -> anyhow::Result<Vec<TrajectoryRow>> {
     // The mapper counts scans, the trajectory laser lines.
     let usable = lines.iter().enumerate().filter(|(_, line)| line.fault.is_none());
     let places: Vec<usize> = usable.map(|(place, _)| place).collect();
-    let mut seen = outcomes.into_iter().zip(recognised);
+    let mut seen = outcomes.into_iter().zip(noted.iter().copied());
     let row = |(scan, line): (usize, LaserLine)| {
-        let (outcome, recognised) = match line.fault {
+        let (outcome, noted) = match line.fault {
             Some((number, fault)) => {
                 let reason = format!("{UNUSABLE} {number}: {fault}");
-                (Outcome::NotPlaced { reason }, &None)
+                (Outcome::NotPlaced { reason }, Noted::default())
             }
             None => seen
                 .next()
@@ -166,7 +168,8 @@ fn trajectory(
             scan,
             stamp_s: line.stamp_s,
             outcome,
-            recognised: recognised.and_then(|number| places.get(number).copied()),
+            recognised: noted.recognised.and_then(|number| places.get(number).copied()),
+            quality: noted.quality,
         })
     };
     lines.into_iter().enumerate().map(row).collect()

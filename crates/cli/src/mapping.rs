@@ -2,7 +2,7 @@
 
 use polymapper_core::join::SavedMap;
 use polymapper_core::map::Map;
-use polymapper_core::mapper::{self, Mapper, NotPlaced, Revoked, Settings, Stage};
+use polymapper_core::mapper::{self, Mapper, NotPlaced, Quality, Revoked, Settings, Stage, Step};
 use polymapper_io::log::{BadScan, LogScan};
 use polymapper_io::out::Outcome;
 use serde_json::Value;
@@ -31,8 +31,8 @@ pub trait Mapping {
 pub struct Finished {
     pub map: Map,
     pub outcomes: Vec<Outcome>,
-    /// For each of these scans, the one at whose place it was recognised to be.
-    pub recognised: Vec<Option<usize>>,
+    /// What was noted when each of these scans was placed.
+    pub noted: Vec<Noted>,
     /// What was taken back or put right, in words.
     pub corrections: Vec<String>,
     /// What must be kept to continue the map; scans are numbered as they were added.
@@ -41,11 +41,28 @@ pub struct Finished {
     pub recorded: Recorded,
 }
 
+/// What is kept of the moment at which a scan was placed.
+#[derive(Clone, Copy, Default)]
+pub struct Noted {
+    /// The scan at whose place it was recognised to be, counted as they were added.
+    pub recognised: Option<usize>,
+    pub quality: Quality,
+}
+
+impl Noted {
+    pub fn of(step: &Step) -> Self {
+        Self {
+            recognised: step.recognised,
+            quality: step.quality(),
+        }
+    }
+}
+
 /// The mapper of the core library.
 pub struct CoreMapping {
     mapper: Mapper,
     settings: Settings,
-    recognised: Vec<Option<usize>>,
+    noted: Vec<Noted>,
     /// Number in the log of every scan that was added.
     numbers: Vec<usize>,
     corrections: Vec<String>,
@@ -58,7 +75,7 @@ impl CoreMapping {
         Self {
             mapper: Mapper::new(settings),
             settings,
-            recognised: Vec::new(),
+            noted: Vec::new(),
             numbers: Vec::new(),
             corrections: Vec::new(),
             record,
@@ -71,7 +88,7 @@ impl Mapping for CoreMapping {
         let step = self
             .mapper
             .add_scan_watched(&scan.scan, scan.odometry, &mut |stage| clock.enter(stage.name()));
-        self.recognised.push(step.recognised);
+        self.noted.push(Noted::of(&step));
         self.numbers.push(scan.index);
         let numbers = &self.numbers;
         self.corrections.extend(step.revoked.iter().map(|revoked| {
@@ -106,7 +123,7 @@ impl Mapping for CoreMapping {
             saved: self.mapper.saved(),
             map,
             outcomes: outcomes.iter().map(outcome).collect(),
-            recognised: self.recognised,
+            noted: self.noted,
             corrections: self.corrections,
             recorded,
         })

@@ -5,11 +5,15 @@ use std::path::Path;
 
 use polymapper_core::geometry::Pose;
 use polymapper_core::map::Map;
+use polymapper_core::mapper::Quality;
 use polymapper_draw::{Scene, TrajectoryPoint, map_picture, to_png, to_svg};
 use polymapper_io::out::{AtomicFile, Outcome, TrajectoryRow};
 
 /// Name of the picture that every program shows.
 pub const PNG: &str = "map.png";
+
+/// A place with a larger standard deviation than this is drawn as uncertain, metres: rooms and door frames tell it to a centimetre or two.
+const UNCERTAIN_M: f64 = 0.1;
 
 /// Draws the map with the way of the scanner, titled by the name of the log.
 pub fn write(folder: &Path, map: &Map, rows: &[TrajectoryRow], log_name: &str) -> anyhow::Result<()> {
@@ -39,5 +43,12 @@ fn point(row: &TrajectoryRow) -> TrajectoryPoint {
     TrajectoryPoint {
         map_from_scan,
         placed,
+        is_uncertain: is_uncertain(&row.quality),
     }
+}
+
+/// Whether the walls left the place open, or walls and motion together did not tell it well.
+fn is_uncertain(quality: &Quality) -> bool {
+    let sigma_m = quality.covariance.map(|c| c.widest_m());
+    quality.open_rad.is_some() || sigma_m.is_some_and(|sigma_m| sigma_m > UNCERTAIN_M)
 }

@@ -60,6 +60,11 @@ fn the_demo_leaves_every_file_and_says_where_the_picture_is() {
     let placed = report["scans"]["placed"].as_u64().unwrap() as usize;
     assert_eq!(read(&out, "trajectory.csv").lines().count(), 1 + 300);
     assert_eq!(read(&out, "trajectory.tum").lines().count(), placed);
+    let quality = &report["quality"];
+    assert!(
+        quality["won"]["first"] == 1 && quality["fit_median"].as_f64() > Some(0.9),
+        "{quality}"
+    );
     assert_eq!(fs::read_dir(&out).unwrap().count(), 9, "no drafts are left");
 }
 
@@ -150,4 +155,53 @@ fn a_log_that_breaks_leaves_the_map_of_what_came_before_marked_partial() {
     assert!(!json(&out, "map.json")["polylines"].as_array().unwrap().is_empty());
     let rows = read(&out, "trajectory.csv").lines().count() - 1;
     assert!((50..200).contains(&rows), "{rows} rows of a third of 300 scans");
+}
+
+/// The fields of a column.
+fn column(table: &str, name: &str) -> Vec<String> {
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let place = rows[0].iter().position(|field| *field == name).unwrap();
+    rows[1..].iter().map(|row| row[place].to_owned()).collect()
+}
+
+#[test]
+fn every_scan_of_a_simulated_log_says_how_well_it_was_placed() {
+    let folder = tempfile::tempdir().unwrap();
+    let (log, out) = (folder.path().join("clutter.log"), folder.path().join("out"));
+    let name = log.display().to_string();
+    polymapper(&["simulate", "--plan", "clutter", "--scans", "60", "-o", &name]);
+    build(&log, &out);
+    let table = read(&out, "trajectory.csv");
+    let rows = table.lines().count() - 1;
+    assert_eq!(column(&table, "won")[0], "first");
+    for name in [
+        "won",
+        "fit",
+        "known",
+        "through",
+        "matched",
+        "rank",
+        "var_x_m2",
+        "cov_xy_m2",
+        "var_t_rad2",
+    ] {
+        let known = column(&table, name)
+            .iter()
+            .skip(1)
+            .filter(|field| !field.is_empty())
+            .count();
+        assert_eq!(known, rows - 1, "{name}");
+    }
+    let variances = column(&table, "var_x_m2")
+        .into_iter()
+        .chain(column(&table, "var_y_m2"));
+    assert!(variances.into_iter().all(|v| v.parse::<f64>().unwrap() >= 0.0));
+    let report = json(&out, "report.json");
+    let won: u64 = report["quality"]["won"]
+        .as_object()
+        .unwrap()
+        .values()
+        .filter_map(Value::as_u64)
+        .sum();
+    assert_eq!(won, rows as u64);
 }

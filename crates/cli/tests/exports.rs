@@ -292,7 +292,7 @@ fn a_corrected_log_and_a_graph_hold_the_poses_of_the_trajectory() {
     let recognised = trajectory
         .lines()
         .skip(1)
-        .filter(|row| !row.ends_with(','))
+        .filter(|row| row.split(',').nth(7).is_some_and(|scan| !scan.is_empty()))
         .count();
     assert!(recognised > 0, "the loop in the sample is closed");
     assert_eq!(edges, way.len() - 1 + recognised);

@@ -9,6 +9,7 @@ use std::process::{Command, Output};
 
 use flate2::read::GzDecoder;
 use polymapper_core::geometry::{Pose, wrap_rad};
+use polymapper_core::mapper::Quality;
 use polymapper_io::out::{Outcome, read_map, read_trajectory_csv};
 
 fn run(args: &[&str]) -> Output {
@@ -134,6 +135,22 @@ fn two_parts_of_a_log_are_joined_where_they_overlap_and_other_places_are_refused
     let off_m = (60..140).filter_map(|k| Some(both[k]?.distance(both[140 + k - 60]?)));
     let worst_m = off_m.fold(0.0, f64::max);
     assert!(worst_m < 0.1, "the same scan lies {worst_m} m apart");
+
+    let quality = |folder: &str| -> Vec<Quality> {
+        let rows = read_trajectory_csv(&Path::new(folder).join("trajectory.csv")).unwrap();
+        rows.into_iter().map(|row| row.quality).collect()
+    };
+    for (after, before) in quality(&joined)
+        .iter()
+        .zip([quality(&first), quality(&second)].concat())
+    {
+        assert_eq!((after.won, after.fit), (before.won, before.fit));
+        let sigma_m = |q: &Quality| q.covariance.map(|c| c.widest_m());
+        let (after_m, before_m) = (sigma_m(after), sigma_m(&before));
+        assert_eq!(after_m.is_some(), before_m.is_some(), "{after:?} was {before:?}");
+        let off_m = after_m.zip(before_m).map_or(0.0, |(a, b)| (a - b).abs());
+        assert!(off_m < 1e-3, "{after:?} was {before:?}");
+    }
 
     let again = bench.name("again");
     done(&["merge", &first, &second, "--out", &again]);

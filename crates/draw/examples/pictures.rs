@@ -205,6 +205,7 @@ fn map_scene(walls: &[Polyline]) -> Scene {
     let placed = |(k, pose): (usize, Pose)| TrajectoryPoint {
         map_from_scan: pose,
         placed: !(60..66).contains(&k),
+        is_uncertain: false,
     };
     let trajectory: Vec<TrajectoryPoint> = way(0.2).into_iter().enumerate().map(placed).collect();
     map_picture(&map_of(walls, plants), &trajectory, "An invented flat")

@@ -1,7 +1,8 @@
 //! The picture of a built map: `map.svg` and `map.png`.
 //!
 //! In: the map and the trajectory. Out: a scene with walls dark, a pale band on their side that is not free
-//! (polylines have free space on their left), the way of the scanner thin and blue, eraser boxes hatched on
+//! (polylines have free space on their left), the way of the scanner thin and blue, broad and orange where its place is
+//! uncertain, eraser boxes hatched on
 //! top (paper section 4: they are drawn over the finished map), and the numbers of the map in the caption.
 
 use polymapper_core::geometry::{Point, Pose};
@@ -20,11 +21,13 @@ pub struct TrajectoryPoint {
     pub map_from_scan: Pose,
     /// Whether the scan has a place in the map.
     pub placed: bool,
+    /// Whether that place is uncertain.
+    pub is_uncertain: bool,
 }
 
 /// The picture of a map with the way of the scanner; the caption counts what is seen.
 ///
-/// The way is broken where scans were not placed; the gap is bridged by dots.
+/// The way is broken where scans were not placed; the gap is bridged by dots. Where the place is uncertain it is drawn broad and orange.
 #[must_use]
 pub fn map_picture(map: &Map, trajectory: &[TrajectoryPoint], title: &str) -> Scene {
     let mut panel = map_panel(map, trajectory, Scene::PAGE_PX);
@@ -62,6 +65,10 @@ pub(crate) fn map_panel(map: &Map, trajectory: &[TrajectoryPoint], width_px: f64
     if placed {
         panel = panel.with_legend(Sample::Line(way_stroke(wall.width_px)), "way of the scanner");
     }
+    if trajectory.iter().any(is_doubtful) {
+        let stroke = doubtful_stroke(wall.width_px);
+        panel = panel.with_legend(Sample::Line(stroke), "way where the place is uncertain");
+    }
     if !map.eraser_boxes.is_empty() {
         panel = panel.with_legend(
             Sample::Area(Some(Fill::Hatched(palette::ORANGE)), Some(box_stroke())),
@@ -79,6 +86,15 @@ fn wall_stroke(metres_per_px: f64, width_px: f64) -> Stroke {
 
 fn way_stroke(wall_px: f64) -> Stroke {
     Stroke::new(palette::BLUE, (0.6 * wall_px).clamp(1.5, 2.6))
+}
+
+/// Broader than the way, so that it stands out in prints without colour, too.
+fn doubtful_stroke(wall_px: f64) -> Stroke {
+    Stroke::new(palette::VERMILION, 2.0 * way_stroke(wall_px).width_px)
+}
+
+fn is_doubtful(point: &TrajectoryPoint) -> bool {
+    point.placed && point.is_uncertain
 }
 
 fn box_stroke() -> Stroke {
@@ -106,6 +122,16 @@ fn way(trajectory: &[TrajectoryPoint], wall_px: f64) -> Layer {
     }
     for run in &runs {
         layer.line(run.iter().copied(), stroke);
+    }
+    let doubtful = doubtful_stroke(wall_px);
+    for run in trajectory.split(|t| !is_doubtful(t)) {
+        let line = run.iter().map(|t| t.map_from_scan.translation());
+        // A scan or two make no line to be seen on a map of a hundred metres.
+        if let Some(first) = line.clone().next() {
+            let rim = Stroke::new(doubtful.colour, 1.0);
+            layer.marker(first, 0.7 * doubtful.width_px, doubtful.colour, rim);
+            layer.line(line, doubtful);
+        }
     }
     let places = || runs.iter().flatten().filter(|p| p.is_finite());
     if let (Some(&start), Some(&end)) = (places().next(), places().next_back()) {

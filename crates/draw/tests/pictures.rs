@@ -197,6 +197,7 @@ fn nothing_at_all_is_drawn_as_such() {
     let lost = [TrajectoryPoint {
         map_from_scan: Pose::new(f64::NAN, 0.0, 0.0),
         placed: false,
+        is_uncertain: false,
     }];
     let empty = Map::default();
     let scenes = [
@@ -230,6 +231,7 @@ fn a_way_over_scans_without_a_place_is_dotted() {
     let at = |k: u32, placed| TrajectoryPoint {
         map_from_scan: Pose::new(f64::from(k) * 0.2, 1.0, 0.0),
         placed,
+        is_uncertain: false,
     };
     let trajectory: Vec<TrajectoryPoint> = (0..10).map(|k| at(k, k != 5)).collect();
     let scene = map_picture(&worlds::room_map(), &trajectory, "");
@@ -239,6 +241,31 @@ fn a_way_over_scans_without_a_place_is_dotted() {
         "{}",
         scene.caption
     );
+}
+
+#[test]
+fn the_way_stands_out_where_the_place_is_uncertain_and_the_legend_says_so() {
+    let picture = |uncertain: &[u32]| {
+        let at = |k: u32| TrajectoryPoint {
+            map_from_scan: Pose::new(0.5 + f64::from(k) * 0.3, 2.0, 0.0),
+            placed: true,
+            is_uncertain: uncertain.contains(&k),
+        };
+        let trajectory: Vec<TrajectoryPoint> = (0..10).map(at).collect();
+        map_picture(&worlds::room_map(), &trajectory, "")
+    };
+    let legend = "way where the place is uncertain";
+    let (certain, doubtful) = (picture(&[]), picture(&[1, 4, 5, 6]));
+    assert!(!to_svg(&certain).contains(legend));
+    assert!(to_svg(&doubtful).contains(legend));
+    let orange = |at: (f64, f64)| {
+        let (before, after) = (drawn(&certain), drawn(&doubtful));
+        let pixel = |scene, image| ink_at(image, pixel_of(scene, at));
+        pixel(&certain, &before) != pixel(&doubtful, &after)
+    };
+    assert!(orange((2.0, 2.0)), "between scans 4 and 6");
+    assert!(orange((0.8, 2.0)), "scan 1 alone");
+    assert!(!orange((1.4, 2.0)) && !orange((2.6, 2.0)), "elsewhere");
 }
 
 #[test]

@@ -14,8 +14,8 @@ use polymapper_core::mapper::Settings;
 use polymapper_io::log::{Entry, Log};
 use polymapper_io::out::formats::{ExportFormat, ScanSource};
 use polymapper_io::out::{
-    AtomicFile, InputReport, MapReport, Outcome, Report, ScanReport, TrajectoryRow, prepare_folder, read_map,
-    read_trajectory_csv,
+    AtomicFile, InputReport, MapReport, Outcome, QualityReport, Report, ScanReport, TrajectoryRow,
+    prepare_folder, read_map, read_trajectory_csv,
 };
 
 use crate::args::BuildArgs;
@@ -102,7 +102,7 @@ pub fn build(
         lines,
         finished.map,
         finished.outcomes,
-        &finished.recognised,
+        &finished.noted,
         finished.saved,
     )?;
     result.partial.clone_from(&reading.partial);
@@ -132,6 +132,7 @@ pub fn build(
         partial: reading.partial.clone(),
         input: InputReport::new(log.name(), log.format(), odometry_used, &reading.tally),
         scans: scan_report(&rows),
+        quality: QualityReport::of(&rows, Settings::default().place.clear_lead),
         map: map_report(&map, folder)?,
         stages: clock.times(),
         peak_memory_bytes: memory::peak_bytes(),
@@ -216,12 +217,30 @@ mod tests {
     use polymapper_core::geometry::{Point, Pose};
     use polymapper_core::join::SavedMap;
     use polymapper_core::map::{MapPolyline, MapVertex};
+    use polymapper_core::mapper::{Origin, Quality};
     use polymapper_io::log::{BadScan, LogScan, ReadOptions};
     use polymapper_io::out::read_map;
 
     use super::*;
-    use crate::mapping::Finished;
+    use crate::mapping::{Finished, Noted};
     use crate::record::Recorded;
+
+    /// Every scan after the first is at the place of the first, and half of its beams agree.
+    fn noted(scan: usize) -> Noted {
+        let quality = Quality {
+            won: Some(if scan > 0 {
+                Origin::Predicted
+            } else {
+                Origin::First
+            }),
+            fit: (scan > 0).then_some(0.5),
+            ..Quality::default()
+        };
+        Noted {
+            recognised: (scan > 0).then_some(0),
+            quality,
+        }
+    }
 
     /// Puts scan k at (k, 0) and refuses those without returns; the map is one wall.
     #[derive(Default)]
@@ -269,8 +288,7 @@ mod tests {
                     polylines: vec![wall],
                     eraser_boxes: Vec::new(),
                 },
-                // Every scan after the first is at the place of the first.
-                recognised: (0..self.outcomes.len()).map(|k| (k > 0).then_some(0)).collect(),
+                noted: (0..self.outcomes.len()).map(noted).collect(),
                 outcomes: self.outcomes,
                 corrections: Vec::new(),
                 saved: SavedMap::default(),
@@ -316,12 +334,16 @@ mod tests {
         let text = format!("{WRONG}{GOOD}{BLIND}{GOOD}");
         let built = build_text(&text, Rail::default(), &Interrupt::default());
         assert_eq!(built.finish.as_ref().unwrap(), &Finish::WithLoss);
-        let expected = "scan,stamp_s,x_m,y_m,theta_rad,outcome,reason,recognised\n\
-             0,,,,,not_placed,\"unusable line 1: 3 ranges, but the header says 4\",\n\
-             1,5.500000,0.0000,0.0000,0.000000,placed,,\n\
-             2,6.500000,,,,not_placed,no returns,1\n\
-             3,5.500000,2.0000,0.0000,0.000000,placed,,1\n";
+        let expected = "scan,stamp_s,x_m,y_m,theta_rad,outcome,reason,recognised,won,lead,hypotheses,fit,known,through,matched,\
+             rank,open_rad,var_x_m2,cov_xy_m2,var_y_m2,cov_xt_m_rad,cov_yt_m_rad,var_t_rad2\n\
+             0,,,,,not_placed,\"unusable line 1: 3 ranges, but the header says 4\",,,,,,,,,,,,,,,,\n\
+             1,5.500000,0.0000,0.0000,0.000000,placed,,,first,,,,,,,,,,,,,,\n\
+             2,6.500000,,,,not_placed,no returns,1,predicted,,,0.5,,,,,,,,,,,\n\
+             3,5.500000,2.0000,0.0000,0.000000,placed,,1,predicted,,,0.5,,,,,,,,,,,\n";
         assert_eq!(built.read("trajectory.csv"), expected);
+        let quality = &built.report()["quality"];
+        assert_eq!(quality["won"], serde_json::json!({"first": 1, "predicted": 2}));
+        assert_eq!(quality["fit_median"], 0.5);
         let scans = &built.report()["scans"];
         assert_eq!(
             scans["not_placed_by_reason"],

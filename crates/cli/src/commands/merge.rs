@@ -11,7 +11,7 @@ use polymapper_io::out::{Outcome, TrajectoryRow, prepare_folder};
 use crate::args::{BuildArgs, MergeArgs};
 use crate::interrupt::Interrupt;
 use crate::map_folder::{LaserLine, MapFolder};
-use crate::mapping::outcome;
+use crate::mapping::{Noted, outcome};
 use crate::scans::{self, Reading};
 use crate::{Finish, pictures, talk::say};
 
@@ -77,17 +77,17 @@ pub fn continue_map(args: &BuildArgs, old: &Path) -> anyhow::Result<Finish> {
 fn map_log(args: &BuildArgs) -> anyhow::Result<(MapFolder, Reading)> {
     let mut log = scans::open(&args.log.choice.log, args.log.read_options())?;
     let mut mapper = Mapper::new(Settings::default());
-    let (mut lines, mut recognised) = (Vec::new(), Vec::new());
+    let (mut lines, mut noted) = (Vec::new(), Vec::new());
     let reading = scans::for_each(&mut log, &Interrupt::listen()?, |entry| {
         lines.push(LaserLine::of(&entry));
         if let Entry::Scan(scan) = entry {
-            recognised.push(mapper.add_scan(&scan.scan, scan.odometry).recognised);
+            noted.push(Noted::of(&mapper.add_scan(&scan.scan, scan.odometry)));
         }
         Ok(())
     })?;
     mapper.settle();
     let outcomes = mapper.outcomes().iter().map(outcome).collect();
-    let second = MapFolder::of(lines, mapper.map(), outcomes, &recognised, mapper.saved())?;
+    let second = MapFolder::of(lines, mapper.map(), outcomes, &noted, mapper.saved())?;
     Ok((second, reading))
 }
 

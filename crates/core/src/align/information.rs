@@ -163,6 +163,29 @@ impl Information {
         Some(out)
     }
 
+    /// In how many directions of (x, y, θ), 0 to 3, this tells the pose to within `sigma_m` and `sigma_rad`: the eigenvalues above 1
+    /// of Ω in units of these. In a corridor it is 2, and in a round room as well, wherever the scanner is: what is left open is a turn
+    /// about the middle, which moves a scanner that is not there.
+    #[must_use]
+    pub fn rank(&self, sigma_m: f64, sigma_rad: f64) -> u8 {
+        let unit = [sigma_m, sigma_m, sigma_rad];
+        let mut a = self.rows;
+        for (r, row) in a.iter_mut().enumerate() {
+            for (c, cell) in row.iter_mut().enumerate() {
+                *cell *= unit[r] * unit[c];
+            }
+            row[r] -= 1.0;
+        }
+        // As many pivots as eigenvalues are positive (Sylvester's law of inertia). A pivot of 0 is one that hardly is not.
+        let pivot = |d: f64| if d == 0.0 { -1e-12 } else { d };
+        let d0 = pivot(a[0][0]);
+        let (l10, l20) = (a[1][0] / d0, a[2][0] / d0);
+        let d1 = pivot(a[1][1] - l10 * a[0][1]);
+        let l21 = (a[2][1] - l20 * a[0][1]) / d1;
+        let d2 = a[2][2] - l20 * a[0][2] - l21 * (a[1][2] - l10 * a[0][2]);
+        [d0, d1, d2].iter().map(|&d| u8::from(d > 0.0)).sum()
+    }
+
     /// The direction of the plane about which this says least, and how much it says there (1/m²) when the
     /// heading is left free: smallest eigenvalue of the Schur complement of θ.
     #[must_use]
@@ -259,6 +282,28 @@ mod tests {
         let (direction, information) = corner_and_corridor().weakest_direction();
         assert!(direction.x.abs() > 0.999, "{direction:?}");
         assert!((information - 0.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_rank_is_two_in_a_corridor_and_in_a_round_room_wherever_the_scanner_is() {
+        let rank = |information: &Information| information.rank(0.04, 0.02);
+        assert_eq!(rank(&Information::default()), 0);
+        assert_eq!(rank(&Information::from_sigmas(0.01, 0.01, 0.005)), 3);
+        assert_eq!(rank(&Information::from_sigmas(0.01, 0.05, 0.03)), 1);
+        for by_rad in [0.0, 0.5, 1.5] {
+            let corridor = Information::from_sigmas(0.3, 0.005, 0.002).turned(by_rad);
+            assert_eq!(rank(&corridor), 2, "turned by {by_rad}");
+        }
+        // Walls 3 m round the middle, which the scanner is 0 to 2 m away from.
+        for off_m in [0.0, 0.5, 2.0] {
+            let mut round = Information::default();
+            for k in 0..60 {
+                let normal = Point::from_polar(1.0, 0.1 * f64::from(k));
+                let arm = normal * 3.0 - Point::new(off_m, 0.0);
+                round.add_residual([normal.x, normal.y, normal.dot(arm.left())], 1e3);
+            }
+            assert_eq!(rank(&round), 2, "{off_m} m from the middle");
+        }
     }
 
     #[test]

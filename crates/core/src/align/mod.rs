@@ -27,10 +27,12 @@
 //! corridors, a scanner that reaches 5.6 m, four seeds: 10 to 12 m off without it and what `place/motion/` does, with them 0.1 to 0.4 m
 //! in three.)
 
+mod covariance;
 mod information;
 mod least_squares;
 mod side_points;
 
+pub use covariance::Covariance;
 pub use information::Information;
 pub(crate) use least_squares::align_to_grid;
 pub use least_squares::{AlignSettings, Alignment, Guess, Prior, SidePoint, align};

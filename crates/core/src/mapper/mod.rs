@@ -29,6 +29,7 @@
 
 pub(crate) mod atlas;
 mod left;
+mod quality;
 mod settings;
 mod step;
 mod track;
@@ -48,6 +49,8 @@ use crate::sweep::Sweep;
 use track::Track;
 use tracks::{Onward, onward};
 
+pub use crate::place::Origin;
+pub use quality::Quality;
 pub use settings::Settings;
 pub use step::{Hypothesis, NotPlaced, Outcome, Revoked, Stage, Step};
 
@@ -143,7 +146,7 @@ impl Mapper {
             track.merit = way.merit;
             let mut step = Step::new(number, Arc::clone(&extraction), NotPlaced::SeparateSubmap);
             let back = backs[way.track].as_ref().map(|(_, answer)| answer);
-            step.tell(back.unwrap_or(&answers[way.track]), &way.way);
+            step.tell(back.unwrap_or(&answers[way.track]), &way.way, &settings.align);
             self.go_on(&mut track, &mut step, way, &seen, odometry, enter);
             tracks.push(track);
             steps.push(step);
@@ -172,7 +175,8 @@ impl Mapper {
         odometry: Option<Pose>,
         enter: &mut dyn FnMut(Stage),
     ) {
-        let pose = track.advance(&way.way, odometry);
+        let (pose, covariance) = track.advance(&way.way, odometry);
+        step.covariance = covariance;
         enter(Stage::Merge);
         if track.wants(pose, step, &self.settings) {
             track.merge(pose, step, seen, &self.settings);

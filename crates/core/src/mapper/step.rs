@@ -2,13 +2,13 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::track::Way;
-use crate::align::Alignment;
+use crate::align::{AlignSettings, Alignment, Covariance};
 use crate::extract::Extraction;
 use crate::geometry::{Polyline, Pose};
 use crate::matching::Matching;
 use crate::merge::MergeReport;
-use crate::place::Answer;
 use crate::place::judge::Agreement;
+use crate::place::{Answer, Origin};
 
 /// Why a scan has no place in the map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -69,6 +69,8 @@ impl Stage {
 /// A pose that a scan might have.
 #[derive(Clone, Copy, Debug)]
 pub struct Hypothesis {
+    /// Where it came from.
+    pub origin: Origin,
     /// The laser in the map frame.
     pub map_from_scan: Pose,
     /// How the whole scan agrees with the map from there.
@@ -122,10 +124,19 @@ pub struct Step {
     pub hypotheses: Vec<Hypothesis>,
     /// Accounts of the motion that are carried on after this scan; 1 when it is clear where the scanner is.
     pub tracks: usize,
+    /// Where the pose came from; `None` for a scan that could not be aligned.
+    pub won: Option<Origin>,
     /// By how much the pose leads the best other one, when others were found.
     pub lead: Option<f64>,
     /// Its alignment to the map; `None` for the first scan and for those that could not be aligned.
     pub alignment: Option<Alignment>,
+    /// In how many directions of x, y and the heading the walls alone tell the pose, 0 to 3: to within
+    /// [`AlignSettings::observable_sigma_m`] and [`AlignSettings::observable_sigma_rad`]. `None` where there is no alignment.
+    pub rank: Option<u8>,
+    /// How far off the pose may be in the map around it, by walls and motion together; axes of the map as in `alignment`, about the
+    /// scanner. Along a corridor it grows from scan to scan until something tells the place. It is 0 for the first scan, with which the
+    /// map begins, and does not say how far off the map around may be; `None` for a scan without a place, or that begins a map of its own.
+    pub covariance: Option<Covariance>,
     /// How the whole scan agrees with the map.
     pub agreement: Option<Agreement>,
     /// What was merged; `None` when the scan shows nothing new.
@@ -149,8 +160,11 @@ impl Step {
             matching: None,
             hypotheses: Vec::new(),
             tracks: 1,
+            won: None,
             lead: None,
             alignment: None,
+            rank: None,
+            covariance: None,
             agreement: None,
             merged: None,
             moving: Vec::new(),
@@ -160,11 +174,12 @@ impl Step {
     }
 
     /// Takes note of how the scan was placed.
-    pub(super) fn tell(&mut self, answer: &Answer, way: &Way) {
-        let placement = match way {
-            Way::On(placement) => *placement,
-            Way::Back(_, placement) => Some(*placement),
-            Way::Apart => None,
+    pub(super) fn tell(&mut self, answer: &Answer, way: &Way, settings: &AlignSettings) {
+        let (origin, placement) = match way {
+            Way::On(None) => (Origin::First, None),
+            Way::On(Some(placement)) => (placement.origin, Some(*placement)),
+            Way::Back(_, placement) => (Origin::Back, Some(*placement)),
+            Way::Apart => (Origin::Apart, None),
         };
         self.virtual_scan.clone_from(&answer.virtual_scan);
         self.matching.clone_from(&answer.matching);
@@ -172,13 +187,17 @@ impl Step {
             .hypotheses
             .iter()
             .map(|p| Hypothesis {
+                origin: p.origin,
                 map_from_scan: p.alignment.map_from_scan,
                 agreement: p.agreement,
                 merit: p.merit,
             })
             .collect();
+        self.won = Some(origin);
         self.lead = answer.placement.and_then(|p| p.lead);
         self.alignment = placement.map(|p| p.alignment);
+        let (sigma_m, sigma_rad) = (settings.observable_sigma_m, settings.observable_sigma_rad);
+        self.rank = placement.map(|p| p.alignment.information.rank(sigma_m, sigma_rad));
         self.agreement = placement.map(|p| p.agreement);
     }
 }

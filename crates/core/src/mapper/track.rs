@@ -10,6 +10,7 @@
 use super::atlas::Atlas;
 use super::left::Left;
 use super::{NotPlaced, Outcome, Settings, Step};
+use crate::align::Covariance;
 use crate::geometry::Pose;
 use crate::join::SavedMap;
 use crate::keyframe::{Keyframe, Seen};
@@ -121,8 +122,8 @@ impl Track {
         self.left.iter_mut().for_each(|l| l.scans += 1);
     }
 
-    /// Goes on to the next scan's place, and says where that is.
-    pub fn advance(&mut self, way: &Way, odometry: Option<Pose>) -> Pose {
+    /// Goes on to the next scan's place, and says where that is and how far off it may be (see [`Step::covariance`]).
+    pub fn advance(&mut self, way: &Way, odometry: Option<Pose>) -> (Pose, Option<Covariance>) {
         self.left.iter_mut().for_each(|l| l.scans += 1);
         let pose = match way {
             Way::On(placement) => placement.map_or(Pose::IDENTITY, |p| p.alignment.map_from_scan),
@@ -132,18 +133,22 @@ impl Track {
             }
             Way::Apart => self.go_apart(),
         };
-        match &mut self.motion {
+        let covariance = match &mut self.motion {
             Some(motion) => {
                 let walls = match way {
                     Way::On(Some(p)) | Way::Back(_, p) => Some(p.alignment.information),
                     _ => None,
                 };
-                motion.advance(pose, walls.as_ref());
+                let covariance = motion.advance(pose, walls.as_ref());
+                walls.map(|_| covariance)
             }
-            None => self.motion = Some(Motion::starting_at(pose)),
-        }
+            None => {
+                self.motion = Some(Motion::starting_at(pose));
+                Some(Covariance::default())
+            }
+        };
         self.odometry = odometry;
-        pose
+        (pose, covariance)
     }
 
     /// Leaves the map; the next one begins where the scanner would be if it had gone on.

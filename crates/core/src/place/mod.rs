@@ -17,6 +17,7 @@
 
 pub(crate) mod judge;
 mod motion;
+mod origin;
 pub(crate) mod search;
 mod stage;
 mod virtual_scan;
@@ -28,12 +29,15 @@ use crate::matching::{Matching, match_polylines};
 use crate::merge::growing_map::GrowingMap;
 pub use judge::Agreement;
 pub(crate) use motion::Motion;
+pub use origin::Origin;
 use stage::Stage;
 use virtual_scan::virtual_scan;
 
 /// A pose and what speaks for it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placement {
+    /// Which guess led to it.
+    pub origin: Origin,
     pub alignment: Alignment,
     pub agreement: Agreement,
     /// [`Agreement::score`] less what the motion so far makes unlikely.
@@ -162,21 +166,24 @@ pub(crate) fn place(question: Question, align: &AlignSettings, settings: &PlaceS
             ..Answer::default()
         };
     }
-    stage.try_guess(&motion.standing());
+    stage.try_guess(Origin::Standing, &motion.standing());
     let wide = Guess {
         sigma_m: 0.2,
         sigma_rad: 0.1,
         ..motion.predicted()
     };
-    stage.try_guess(&wide);
+    stage.try_guess(Origin::Wide, &wide);
     for guess in motion.as_before(6) {
-        stage.try_guess(&guess);
+        stage.try_guess(Origin::AsBefore, &guess);
     }
     if let Some(p) = stage.best()
         && stage.is_good(&p)
         && motion.is_smooth()
     {
-        return Answer::settled(p);
+        return Answer {
+            hypotheses: stage.into_found(),
+            ..Answer::settled(p)
+        };
     }
     let reference = virtual_scan(map, motion.map_from_scan, question.merged_into);
     let matching = match_by_shape(question.polylines, &reference, &mut stage);
@@ -205,11 +212,12 @@ fn match_by_shape(polylines: &[ScanPolyline], reference: &[Polyline], stage: &mu
     let scan: Vec<Polyline> = polylines.iter().map(|p| p.polyline.clone()).collect();
     let matching = match_polylines(&scan, reference, &stage.estimate());
     for h in &matching.hypotheses {
-        stage.try_guess(&Guess {
+        let guess = Guess {
             map_from_scan: map_from_last * h.reference_from_scan,
             sigma_m: 0.1,
             sigma_rad: 0.03,
-        });
+        };
+        stage.try_guess(Origin::Shape, &guess);
     }
     matching
 }

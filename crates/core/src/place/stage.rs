@@ -4,7 +4,7 @@ use std::cell::OnceCell;
 
 use super::judge::judge;
 use super::search::{Field, Window, search};
-use super::{Motion, PlaceSettings, Placement, thinned};
+use super::{Motion, Origin, PlaceSettings, Placement, thinned};
 use crate::align::{AlignSettings, Alignment, FULL_WORTH, Guess, Prior, SidePoint, align_to_grid, worth};
 use crate::geometry::{SideGrid, wrap_rad};
 use crate::matching::{PoseGaussian, unmoved};
@@ -60,16 +60,16 @@ impl<'a> Stage<'a> {
 
     /// Aligns from a guess and judges the result. The guess is its own prior: along a corridor the scan stays where
     /// it was guessed to be, instead of sliding to where the noise of the walls would have it.
-    pub fn aligned(&self, guess: &Guess) -> Option<Placement> {
-        self.aligned_to(guess, &guess.prior())
+    pub fn aligned(&self, origin: Origin, guess: &Guess) -> Option<Placement> {
+        self.aligned_to(origin, guess, &guess.prior())
     }
 
     /// The same from the predicted pose.
     pub fn predicted(&self) -> Option<Placement> {
-        self.aligned_to(&self.motion.predicted(), &self.motion.prior())
+        self.aligned_to(Origin::Predicted, &self.motion.predicted(), &self.motion.prior())
     }
 
-    fn aligned_to(&self, guess: &Guess, prior: &Prior) -> Option<Placement> {
+    fn aligned_to(&self, origin: Origin, guess: &Guess, prior: &Prior) -> Option<Placement> {
         let alignment = align_to_grid(self.points, self.map, |_, _| true, guess, Some(prior), self.align)?;
         let agreement = judge(
             self.points,
@@ -78,6 +78,7 @@ impl<'a> Stage<'a> {
             self.settings.gate_m,
         );
         Some(Placement {
+            origin,
             alignment,
             agreement,
             merit: agreement.score(),
@@ -86,14 +87,14 @@ impl<'a> Stage<'a> {
     }
 
     /// Aligns from a guess and adds the result, unless the guess leads where another has led already.
-    pub fn try_guess(&mut self, guess: &Guess) {
+    pub fn try_guess(&mut self, origin: Origin, guess: &Guess) {
         let is_known = |p: &Placement| {
             let pose = p.alignment.map_from_scan;
             pose.distance(guess.map_from_scan) < SAME_GUESS_M
                 && wrap_rad(pose.theta_rad - guess.map_from_scan.theta_rad).abs() < SAME_GUESS_RAD
         };
         if !self.found.iter().any(is_known)
-            && let Some(placement) = self.aligned(guess)
+            && let Some(placement) = self.aligned(origin, guess)
         {
             self.take(placement);
         }
@@ -220,11 +221,12 @@ impl<'a> Stage<'a> {
             return;
         };
         for c in search(&field, &thinned(self.points), &window) {
-            self.try_guess(&Guess {
+            let guess = Guess {
                 map_from_scan: c.map_from_scan,
                 sigma_m: 0.07,
                 sigma_rad: 0.02,
-            });
+            };
+            self.try_guess(Origin::Search, &guess);
         }
     }
 }

@@ -66,6 +66,7 @@ pub fn small_map() -> Scene {
     let way = way.map(|(x, y, placed)| TrajectoryPoint {
         map_from_scan: Pose::new(x, y, 1.2),
         placed,
+        is_uncertain: false,
     });
     map_picture(&room_map(), &way, "Room & door")
 }

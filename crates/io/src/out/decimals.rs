@@ -1,5 +1,10 @@
 //! Numbers for text files: rounded, so that files stay small and the same on every machine.
 
+/// `value` rounded to 3 decimals.
+pub(super) fn rounded_3(value: f64) -> f64 {
+    rounded(value, 1e3)
+}
+
 /// `value` rounded to 4 decimals (0.1 mm); printed with the fewest digits that give the same number.
 pub(super) fn rounded_4(value: f64) -> f64 {
     rounded(value, 1e4)

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 
 use serde::Serialize;
 
+use super::QualityReport;
 use crate::log::Tally;
 
 /// The whole report.
@@ -18,6 +19,8 @@ pub struct Report {
     pub input: InputReport,
     /// What became of its scans.
     pub scans: ScanReport,
+    /// How well they were placed.
+    pub quality: QualityReport,
     /// The map.
     pub map: MapReport,
     /// Time by stage, in the order of the pipeline.

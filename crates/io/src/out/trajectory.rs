@@ -5,6 +5,9 @@
 use std::io::{self, Write};
 
 use polymapper_core::geometry::Pose;
+use polymapper_core::mapper::Quality;
+
+use super::quality::{self, QUALITY_COLUMNS};
 
 /// What became of a scan.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,9 +35,11 @@ pub struct TrajectoryRow {
     pub outcome: Outcome,
     /// Place in the log of the scan at whose place this one was recognised to be.
     pub recognised: Option<usize>,
+    /// How well it was placed.
+    pub quality: Quality,
 }
 
-/// The columns of `trajectory.csv`.
+/// The first columns of `trajectory.csv`; those of the quality follow.
 pub(super) const TRAJECTORY_COLUMNS: [&str; 8] = [
     "scan",
     "stamp_s",
@@ -46,7 +51,9 @@ pub(super) const TRAJECTORY_COLUMNS: [&str; 8] = [
     "recognised",
 ];
 
-/// Writes `trajectory.csv`: `scan,stamp_s,x_m,y_m,theta_rad,outcome,reason,recognised`, a row for every scan.
+/// Writes `trajectory.csv`: `scan,stamp_s,x_m,y_m,theta_rad,outcome,reason,recognised`, and how well the scan was placed:
+/// `won,lead,hypotheses,fit,known,through,matched,rank,open_rad,var_x_m2,cov_xy_m2,var_y_m2,cov_xt_m_rad,cov_yt_m_rad,var_t_rad2`;
+/// a row for every scan.
 ///
 /// Fields that are not known are empty. Later versions may add columns at the end.
 ///
@@ -54,22 +61,32 @@ pub(super) const TRAJECTORY_COLUMNS: [&str; 8] = [
 /// Those of `out`.
 pub fn write_trajectory_csv(out: &mut impl Write, rows: &[TrajectoryRow]) -> io::Result<()> {
     let mut csv = csv::Writer::from_writer(out);
-    csv.write_record(TRAJECTORY_COLUMNS)?;
+    csv.write_record(TRAJECTORY_COLUMNS.iter().chain(&QUALITY_COLUMNS))?;
     for row in rows {
         let stamp = row.stamp_s.map_or(String::new(), |s| format!("{s:.6}"));
         let scan = row.scan.to_string();
         let known = row.recognised.map_or(String::new(), |scan| scan.to_string());
-        match &row.outcome {
+        let heading_rad = match &row.outcome {
             Outcome::Placed { map_from_scan: p } => {
                 let (x, y, theta) = (metres(p.x), metres(p.y), radians(p.theta_rad));
-                csv.write_record([&scan, &stamp, &x, &y, &theta, "placed", "", &known])?;
+                write_fields(&mut csv, &[&scan, &stamp, &x, &y, &theta, "placed", "", &known])?;
+                Some(p.theta_rad)
             }
             Outcome::NotPlaced { reason } => {
-                csv.write_record([&scan, &stamp, "", "", "", "not_placed", reason, &known])?;
+                write_fields(
+                    &mut csv,
+                    &[&scan, &stamp, "", "", "", "not_placed", reason, &known],
+                )?;
+                None
             }
-        }
+        };
+        csv.write_record(quality::fields(&row.quality, heading_rad))?;
     }
     csv.flush()
+}
+
+fn write_fields(csv: &mut csv::Writer<impl Write>, fields: &[&str]) -> csv::Result<()> {
+    fields.iter().try_for_each(|field| csv.write_field(field))
 }
 
 /// Writes `trajectory.tum`: `key x y z qx qy qz qw`, a row for every placed scan.
@@ -117,6 +134,7 @@ mod tests {
             stamp_s,
             outcome,
             recognised,
+            quality: Quality::default(),
         };
         let placed = |x, y, theta_rad| Outcome::Placed {
             map_from_scan: Pose::new(x, y, theta_rad),
@@ -148,11 +166,15 @@ mod tests {
 
     #[test]
     fn every_scan_has_a_row() {
-        let expected = "scan,stamp_s,x_m,y_m,theta_rad,outcome,reason,recognised\n\
-             0,976052857.345678,0.0000,0.0000,0.000000,placed,,\n\
-             1,,,,,not_placed,\"line 7: 3 ranges, but the header says 4\",\n\
-             2,1.500000,1.0000,2.0000,1.570796,placed,,0\n";
-        assert_eq!(text(|out| write_trajectory_csv(out, &rows())), expected);
+        let mut rows = rows();
+        rows[2].quality.rank = Some(2);
+        rows[2].quality.open_rad = Some(-1.5);
+        let expected = "scan,stamp_s,x_m,y_m,theta_rad,outcome,reason,recognised,won,lead,hypotheses,fit,known,through,matched,\
+             rank,open_rad,var_x_m2,cov_xy_m2,var_y_m2,cov_xt_m_rad,cov_yt_m_rad,var_t_rad2\n\
+             0,976052857.345678,0.0000,0.0000,0.000000,placed,,,,,,,,,,,,,,,,,\n\
+             1,,,,,not_placed,\"line 7: 3 ranges, but the header says 4\",,,,,,,,,,,,,,,,\n\
+             2,1.500000,1.0000,2.0000,1.570796,placed,,0,,,,,,,,2,0.071,,,,,,\n";
+        assert_eq!(text(|out| write_trajectory_csv(out, &rows)), expected);
     }
 
     #[test]

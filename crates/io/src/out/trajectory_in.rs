@@ -9,6 +9,7 @@ use std::path::Path;
 
 use polymapper_core::geometry::Pose;
 
+use super::quality::{self, QUALITY_COLUMNS};
 use super::trajectory::{Outcome, TRAJECTORY_COLUMNS as NAMES, TrajectoryRow};
 
 /// Why a file is not a trajectory.
@@ -89,25 +90,33 @@ fn read(input: impl Read, name: &str) -> Result<Vec<TrajectoryRow>, TrajectoryFi
 const NEEDED: usize = 7;
 
 /// Where the columns of a trajectory stand; `None` for one that is not there.
-struct Columns([Option<usize>; NAMES.len()]);
+struct Columns {
+    first: [Option<usize>; NAMES.len()],
+    quality: [Option<usize>; QUALITY_COLUMNS.len()],
+}
 
 /// Column, what was found, what is expected.
 type Fault = (&'static str, String, &'static str);
 
 impl Columns {
     fn find(header: &csv::StringRecord, name: &str) -> Result<Self, TrajectoryFileError> {
-        let places = NAMES.map(|column| header.iter().position(|field| field == column));
-        match places.iter().take(NEEDED).position(Option::is_none) {
+        let place = |column| header.iter().position(|field| field == column);
+        let first = NAMES.map(place);
+        match first.iter().take(NEEDED).position(Option::is_none) {
             Some(k) => Err(TrajectoryFileError::Column {
                 name: name.to_owned(),
                 column: NAMES[k],
             }),
-            None => Ok(Self(places)),
+            None => Ok(Self {
+                first,
+                quality: QUALITY_COLUMNS.map(place),
+            }),
         }
     }
 
     fn row(&self, record: &csv::StringRecord, expected_scan: usize) -> Result<TrajectoryRow, Fault> {
-        let field = |k: usize| self.0[k].and_then(|place| record.get(place)).unwrap_or("");
+        let at = |place: Option<usize>| place.and_then(|place| record.get(place)).unwrap_or("");
+        let field = |k: usize| at(self.first[k]);
         let number = |k: usize| {
             let value: Option<f64> = field(k).parse().ok().filter(|v: &f64| v.is_finite());
             value.ok_or((NAMES[k], field(k).to_owned(), "a number"))
@@ -136,17 +145,27 @@ impl Columns {
                     .map_err(|_| (NAMES[7], scan.to_owned(), "the number of a scan"))?,
             ),
         };
+        let heading_rad = match &outcome {
+            Outcome::Placed { map_from_scan } => Some(map_from_scan.theta_rad),
+            Outcome::NotPlaced { .. } => None,
+        };
+        let of_quality = |k: usize| at(self.quality[k]);
+        let quality = quality::read(of_quality, heading_rad)
+            .map_err(|(k, expected)| (QUALITY_COLUMNS[k], of_quality(k).to_owned(), expected))?;
         Ok(TrajectoryRow {
             scan: expected_scan,
             stamp_s,
             outcome,
             recognised,
+            quality,
         })
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use polymapper_core::mapper::{Origin, Quality};
+
     use super::*;
     use crate::out::write_trajectory_csv;
 
@@ -162,6 +181,13 @@ mod tests {
                     map_from_scan: Pose::new(1.25, -2.0, 0.5),
                 },
                 recognised: None,
+                quality: Quality {
+                    won: Some(Origin::Predicted),
+                    hypotheses: Some(1),
+                    fit: Some(0.5),
+                    rank: Some(3),
+                    ..Quality::default()
+                },
             },
             TrajectoryRow {
                 scan: 1,
@@ -170,13 +196,19 @@ mod tests {
                     reason: "line 3: \"x\", and more".to_owned(),
                 },
                 recognised: Some(0),
+                quality: Quality::default(),
             },
         ];
         let mut text = Vec::new();
         write_trajectory_csv(&mut text, &rows).unwrap();
         assert_eq!(read(text.as_slice(), "t.csv").unwrap(), rows);
+        // Of a version that did not tell.
+        let old = TrajectoryRow {
+            quality: Quality::default(),
+            ..rows[0].clone()
+        };
         let wider = "why,scan,stamp_s,x_m,y_m,theta_rad,outcome,reason\n-,0,12.5,1.25,-2,0.5,placed,\n";
-        assert_eq!(read(wider.as_bytes(), "t.csv").unwrap(), rows[..1]);
+        assert_eq!(read(wider.as_bytes(), "t.csv").unwrap(), [old]);
     }
 
     #[test]
@@ -190,5 +222,7 @@ mod tests {
         assert!(fault(&format!("{HEAD}0,1,2,3,4,lost,\n")).contains("placed or not_placed"));
         let known = fault("scan,stamp_s,x_m,y_m,theta_rad,outcome,reason,recognised\n0,1,2,3,4,placed,,-1\n");
         assert!(known.contains("`recognised` is \"-1\""), "{known}");
+        let fit = fault(&format!("{},fit\n0,1,2,3,4,placed,,good\n", HEAD.trim_end()));
+        assert_eq!(fit, "t.csv, line 2: `fit` is \"good\", a number is expected");
     }
 }

@@ -11,6 +11,8 @@ import { figures } from "./panel.js";
  * @property {{name: string, format: string, laser: string | null, lines: number, bytes: number, odometry_used: boolean,
  *   stamps_backwards: number, other_messages: Record<string, number>}} input
  * @property {{read: number, placed: number, not_placed: number, not_placed_by_reason: Record<string, number>}} scans
+ * @property {{won: Record<string, number>, narrow_lead: number, open: number, rank: {three: number, two: number, less: number},
+ *   largest_sigma_m: number | null, largest_sigma_scan: number | null}} quality
  * @property {{polylines: number, vertices: number, length_m: number, eraser_boxes: number, bytes: number}} map
  * @property {{stage: string, wall_s: number, cpu_s: number | null}[]} stages
  * @property {number | null} peak_memory_bytes
@@ -43,6 +45,7 @@ export function drawReport(report, history, show) {
   byId("report-cards").replaceChildren(
     card("What was read", figures(inputRows(report)), ...notes(report)),
     card("What became of it", figures(scanRows(report, history)), ...unusable(history)),
+    card("How well it was placed", figures(qualityRows(report))),
     card("Time", stages(report)),
     card("Size", sizes(report)),
   );
@@ -124,6 +127,36 @@ function scanRows({ scans }, history) {
   if (shares.length > 0) {
     rows.push(["Beams that agree, median", percent(shares[shares.length >> 1])]);
     rows.push(["– worst twentieth", percent(shares[Math.floor(shares.length / 20)])]);
+  }
+  return rows;
+}
+
+/** Where poses come from, as people say it; in the order in which guesses are asked. */
+const ORIGINS = /** @type {[string, string][]} */ ([
+  ["predicted", "As predicted"],
+  ["standing", "Standing still"],
+  ["wide", "By a wider guess"],
+  ["as_before", "By a step made before"],
+  ["shape", "By shape"],
+  ["search", "By search"],
+  ["back", "Back in a map that was left"],
+  ["apart", "Nowhere: a map of its own"],
+]);
+
+/**
+ * @param {Report} report
+ * @returns {[string, string][]}
+ */
+function qualityRows({ quality }) {
+  /** @type {[string, string][]} */
+  const rows = ORIGINS.filter(([name]) => quality.won[name]).map(([name, words]) => [words, count(quality.won[name])]);
+  rows.push(["Next best pose came near", count(quality.narrow_lead)]);
+  rows.push(["Walls tell place and heading", count(quality.rank.three)]);
+  rows.push(["– all but one direction", count(quality.rank.two)]);
+  if (quality.rank.less > 0) rows.push(["– less", count(quality.rank.less)]);
+  if (quality.largest_sigma_m !== null) {
+    rows.push(["Largest standard deviation", length(quality.largest_sigma_m)]);
+    rows.push(["– at scan", count(quality.largest_sigma_scan ?? 0)]);
   }
   return rows;
 }

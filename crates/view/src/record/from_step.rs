@@ -178,6 +178,7 @@ fn words(reason: NotPlaced) -> &'static str {
 mod tests {
     use std::f64::consts::PI;
 
+    use polymapper_core::mapper::Origin;
     use polymapper_core::place::Agreement;
     use polymapper_core::scan::ScanGeometry;
 
@@ -186,6 +187,7 @@ mod tests {
     #[test]
     fn poses_that_are_the_same_are_told_once() {
         let at = |x, theta_rad, merit| Hypothesis {
+            origin: Origin::Shape,
             map_from_scan: Pose::new(x, 0.0, theta_rad),
             agreement: Agreement::default(),
             merit,

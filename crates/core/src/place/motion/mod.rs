@@ -10,9 +10,9 @@ mod usual;
 
 use std::collections::VecDeque;
 
-use crate::align::{Guess, Information, Prior};
+use crate::align::{Covariance, Guess, Information, Prior};
 use crate::geometry::{Pose, wrap_rad};
-use speed::{Seen, Speed};
+use speed::{Seen, Speed, by_walls};
 use usual::{ChangeOfSpeed, Driving, Surprise};
 
 /// A change of speed counts where the walls tell the place to this in every direction, metres.
@@ -91,19 +91,29 @@ impl Motion {
 
     /// The motion after the next scan was placed, with what the walls say of the pose (map axes; `None`: it is certain).
     /// After a gap the speed is not known.
-    pub fn advance(&mut self, pose: Pose, walls: Option<&Information>) {
-        if self.lost_scans > 0 {
+    ///
+    /// Returns how far off the pose may be, map axes, about the scanner. The filter takes a pose that was found, after a gap or anew, for
+    /// certain, because how it was missed says nothing of the speed; but the walls alone tell it.
+    pub fn advance(&mut self, pose: Pose, walls: Option<&Information>) -> Covariance {
+        let is_found = if self.lost_scans > 0 {
             self.speed = Speed::default();
             self.steady = 0;
+            true
         } else if self.is_jump(pose) {
             self.speed.found_anew(&self.change.covariance(self.usual));
+            true
         } else {
             self.steady += 1;
             self.follow(pose, walls);
-        }
+            false
+        };
         self.map_from_scan = pose;
         self.driven = None;
         self.lost_scans = 0;
+        match walls {
+            Some(walls) if is_found => by_walls(walls),
+            _ => self.speed.covariance().turned(pose.theta_rad),
+        }
     }
 
     /// Takes in the step to the next pose.
@@ -393,6 +403,23 @@ mod tests {
         assert_eq!(motion.step(), before);
         assert!((motion.usual.turn_rad - usual.turn_rad).abs() < 1e-12);
         assert_eq!(motion.open_sigmas(), None, "it is known now");
+    }
+
+    #[test]
+    fn a_pose_found_after_a_gap_is_as_uncertain_as_the_walls_leave_it() {
+        let found = |walls: &Information| {
+            let mut motion = Motion {
+                lost_scans: 3,
+                ..Motion::starting_at(Pose::IDENTITY)
+            };
+            let rows = motion.advance(Pose::new(4.0, 0.0, 1.0), Some(walls)).rows;
+            [0, 1, 2].map(|k| rows[k][k].sqrt())
+        };
+        let [along_m, across_m, turn_rad] = found(&Information::from_sigmas(0.3, 0.005, 0.002));
+        assert!((along_m - 0.6).abs() < 0.01, "{along_m} m");
+        assert!(across_m < 0.02 && turn_rad < 0.01, "{across_m} m, {turn_rad} rad");
+        let [x_m, y_m, _] = found(&Information::default());
+        assert!(x_m >= 10.0 && y_m >= 10.0, "no walls: {x_m} m, {y_m} m");
     }
 
     #[test]

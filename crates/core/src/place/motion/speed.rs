@@ -5,7 +5,7 @@
 //! scanner is moved by what has gathered over all of them. Taken for the last step alone, such a correction of 5 cm made a
 //! scanner that moved on by 5 cm a scan stand still in its own eyes (a simulated corridor, for 150 scans).
 
-use crate::align::Information;
+use crate::align::{Covariance, Information};
 use crate::geometry::matrix::{
     Matrix, ZERO, add_to, make_symmetric, product, subtract_from, times, transposed,
 };
@@ -74,6 +74,11 @@ impl Speed {
         ((0.5 * (xx + yy)).sqrt(), turn.sqrt())
     }
 
+    /// Covariance of the last pose, by its own axes: of walls and motion together.
+    pub fn covariance(&self) -> Covariance {
+        Covariance { rows: self.of_pose }
+    }
+
     /// The information that the next step is the expected one, after a `change` of the speed of this covariance.
     pub fn step_information(&self, change: &Matrix) -> Option<Information> {
         let mut rows = self.of_step;
@@ -133,6 +138,19 @@ impl Speed {
             make_symmetric(covariance);
         }
     }
+}
+
+/// Covariance of a pose that only the walls tell, by the axes of what they say; as wide as an unknown speed where they say nothing.
+pub(super) fn by_walls(walls: &Information) -> Covariance {
+    let told =
+        walls
+            .scaled(WALLS_INDEPENDENCE)
+            .plus(&Information::from_sigmas(UNKNOWN_M, UNKNOWN_M, UNKNOWN_RAD));
+    let mut rows = told
+        .covariance()
+        .unwrap_or_else(|| diagonal(UNKNOWN_M, UNKNOWN_RAD));
+    add_to(&mut rows, &diagonal(POSE_SIGMA_M, POSE_SIGMA_RAD));
+    Covariance { rows }
 }
 
 /// The covariance a · c · aᵀ of what a makes of something of covariance c.
