@@ -51,6 +51,8 @@ pub(super) struct Left {
     pub atlas: Atlas,
     /// Scans since.
     pub scans: u32,
+    /// Keyframes since.
+    pub keyframes: usize,
     /// The present map's number, and what was made to look for it in all of this one.
     anywhere: Option<(u32, Anywhere)>,
 }
@@ -62,8 +64,16 @@ impl Left {
             motion,
             atlas,
             scans: 1,
+            keyframes: 0,
             anywhere: None,
         }
+    }
+
+    /// Whether a single scan may lead back into it: no longer than the scanner is looked for where it was left. After that it may be
+    /// anywhere, and only its new map as a whole tells where. (A map of 37 right keyframes was given up for one scan that
+    /// fitted a map left 75 scans before: 13 m off in a simulated warehouse.)
+    pub fn is_near(&self) -> bool {
+        self.keyframes <= LOOK_WHERE_LEFT
     }
 
     /// Adjusts its poses and walls together. Returns the scans that were placed again.

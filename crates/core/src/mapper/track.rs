@@ -67,9 +67,10 @@ impl Track {
     }
 
     /// Finds its place in the maps that were left, the last one first. A single scan is believed only when nothing else
-    /// comes near.
+    /// comes near, and in maps that were left just now.
     pub fn place_back(&self, seen: &Seen, settings: &Settings) -> Option<(usize, Answer)> {
-        (0..self.left.len()).rev().find_map(|k| {
+        let mut near = (0..self.left.len()).rev().filter(|&k| self.left[k].is_near());
+        near.find_map(|k| {
             let left = &self.left[k];
             let motion = left.motion.lost_for(left.scans);
             let answer = place_in(&left.atlas, &motion, seen, settings);
@@ -187,6 +188,7 @@ impl Track {
     /// Merges the placed scan.
     pub fn merge(&mut self, pose: Pose, step: &mut Step, seen: &Seen, settings: &Settings) {
         let speed = self.speed();
+        self.left.iter_mut().for_each(|l| l.keyframes += 1);
         self.atlas.add_keyframe(step, seen, pose, speed, settings);
     }
 

@@ -17,7 +17,8 @@ pub struct Agreement {
     /// Beams that return from well behind a side: the map would have stopped them. A beam may end on one side and
     /// have gone through another.
     pub through: usize,
-    /// Beams that return from well before the side that they should have reached.
+    /// Beams that return from well before the side that they should have reached. One that turns its back is none: a wall
+    /// is seen from its other side, and stands before what is known of it by its thickness.
     pub short: usize,
     /// Beams about which the map says nothing.
     pub unknown: usize,
@@ -110,7 +111,8 @@ pub(crate) fn judge(points: &[SidePoint], map: &SideGrid, map_from_scan: Pose, g
         });
         let met_m = first.map(|c| c.range_m);
         let through = met_m.is_some_and(|m| m < range_m - 2.0 * gate_m);
-        let short = met_m.is_some_and(|m| m > range_m + gate_m);
+        let faces = |c: &Crossing| map.side(c.side).normal().dot(direction) < 0.0;
+        let short = first.is_some_and(|c| c.range_m > range_m + gate_m && faces(&c));
         agreement.through += usize::from(through);
         agreement.on_map += usize::from(on_map);
         agreement.on_map_through += usize::from(on_map && through);
@@ -163,6 +165,24 @@ mod tests {
             0.1,
         );
         assert_eq!(away.unknown, 1);
+    }
+
+    #[test]
+    fn a_return_from_the_other_face_of_a_wall_is_not_short_of_it() {
+        let point = SidePoint {
+            point: Point::new(2.8, 0.0),
+            direction: Point::new(0.0, 1.0),
+            sigma_m: 0.01,
+            worth: 1.0,
+            is_on_short_side: false,
+            polyline: 0,
+        };
+        let half_turn = std::f64::consts::PI;
+        let in_the_next_room = Pose::new(6.0, 0.0, half_turn);
+        let seen = judge(&[point], &grid(), in_the_next_room, 0.1);
+        assert_eq!((seen.short, seen.through, seen.unknown), (0, 0, 1));
+        let in_this_room = judge(&[point], &grid(), Pose::IDENTITY, 0.1);
+        assert_eq!(in_this_room.short, 1);
     }
 
     #[test]
