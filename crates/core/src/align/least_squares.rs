@@ -34,9 +34,6 @@ pub struct Prior {
 const SIDE_END_M: f64 = 0.02;
 /// Errors of direction are the same from scan to scan, other than the noise of returns: they count so many times.
 const DIRECTIONS_LAST: f64 = 3.0;
-/// While the guess is rough, about so many of the returns are asked, evenly spread: the last rounds, which find the pose, ask all. (Raw
-/// intel and aces, keyframes of aces and orebro: the same errors, 15 % less time for placing; with 30, keyframes of aces break more often.)
-const ENOUGH_AT_FIRST: usize = 60;
 /// Share of the guess's doubt from which on directions are judged: before, all of them are off by the heading.
 const DOUBT_OF_DIRECTIONS: f64 = 0.1;
 
@@ -147,19 +144,12 @@ pub(crate) fn align_to_grid(
         .iter()
         .map(|p| 3.0 * guess.sigma_m.hypot(guess.sigma_rad * p.point.norm()))
         .collect();
-    let coarse = (points.len() / ENOUGH_AT_FIRST).max(1);
     while rounds < settings.max_rounds && !converged {
         rounds += 1;
-        let is_rough = doubt >= DOUBT_OF_DIRECTIONS;
-        let every = if is_rough { coarse } else { 1 };
         let gate = |off_m: f64| (settings.last_gate_m + doubt * off_m).min(settings.widest_gate_m);
-        let gated = points
-            .iter()
-            .zip(off_m.iter().map(|&off_m| gate(off_m)))
-            .step_by(every);
+        let gated = points.iter().zip(off_m.iter().map(|&off_m| gate(off_m)));
         last = Round {
-            stand_for: every,
-            directions: (!is_rough).then(Directions::default),
+            directions: (doubt < DOUBT_OF_DIRECTIONS).then(Directions::default),
             ..Round::default()
         };
         last.pair(gated, target, &allowed, pose, settings);
@@ -178,8 +168,7 @@ pub(crate) fn align_to_grid(
         unobservable: last.unobservable(settings.observable_sigma_m),
         converged,
         rounds,
-        // A guess that stays rough to the end has asked some for all.
-        matched: (last.matched * last.stand_for).min(points.len()),
+        matched: last.matched,
         asked: points.len(),
         rms_m: (last.squares_m2 / last.matched as f64).sqrt(),
     })
@@ -188,8 +177,6 @@ pub(crate) fn align_to_grid(
 /// The normal equations of one round.
 #[derive(Default)]
 struct Round {
-    /// Returns that each of those that are paired stands for.
-    stand_for: usize,
     information: Information,
     /// `None` while directions are not judged.
     directions: Option<Directions>,
@@ -255,7 +242,7 @@ impl Round {
             let scale_m = settings.robust_sigmas * p.sigma_m.max(0.2 * (gate_m - settings.last_gate_m));
             let weight = 1.0 / (1.0 + (error_m / scale_m).powi(2));
             let j = [normal.x, normal.y, normal.dot(arm.left())];
-            let w = self.stand_for as f64 * weight * p.worth / (p.sigma_m * p.sigma_m);
+            let w = weight * p.worth / (p.sigma_m * p.sigma_m);
             self.information.add_residual(j, w);
             if let Some(directions) = &mut self.directions {
                 let along = [direction.x, direction.y, direction.dot(arm.left())];

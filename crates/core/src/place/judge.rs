@@ -17,9 +17,10 @@ pub struct Agreement {
     /// Beams that return from well behind a side: the map would have stopped them. A beam may end on one side and
     /// have gone through another.
     pub through: usize,
-    /// Beams that return from well before the side that they should have reached. One that turns its back is none: a wall
-    /// is seen from its other side, and stands before what is known of it by its thickness.
+    /// Beams that return from well before the side that they should have reached.
     pub short: usize,
+    /// Those of them that should have reached a side that turns its back.
+    pub short_of_backs: usize,
     /// Beams about which the map says nothing.
     pub unknown: usize,
     /// Beams of both kinds: they end on a side and have gone through another.
@@ -56,8 +57,23 @@ impl Agreement {
             on_map: self.on_map + other.on_map,
             through: self.through + other.through,
             short: self.short + other.short,
+            short_of_backs: self.short_of_backs + other.short_of_backs,
             unknown: self.unknown + other.unknown,
             on_map_through: self.on_map_through + other.on_map_through,
+        }
+    }
+
+    /// The same for places that may be new: a wall is seen from its other side there, and stands before what is known of it by
+    /// its thickness. That does not speak against a pose. (A simulated office: the right pose at a door, 125 of 543 beams short of
+    /// backs and all others on walls, was given up for one 4 m off. In closures, where the place is an old one, keyframes of Intel
+    /// had loops of up to 0.10 m instead of 0.05 m with it.)
+    #[must_use]
+    pub(crate) fn with_other_faces(self) -> Self {
+        Self {
+            short: self.short - self.short_of_backs,
+            short_of_backs: 0,
+            unknown: self.unknown + self.short_of_backs,
+            ..self
         }
     }
 
@@ -111,12 +127,13 @@ pub(crate) fn judge(points: &[SidePoint], map: &SideGrid, map_from_scan: Pose, g
         });
         let met_m = first.map(|c| c.range_m);
         let through = met_m.is_some_and(|m| m < range_m - 2.0 * gate_m);
-        let faces = |c: &Crossing| map.side(c.side).normal().dot(direction) < 0.0;
-        let short = first.is_some_and(|c| c.range_m > range_m + gate_m && faces(&c));
+        let short = met_m.is_some_and(|m| m > range_m + gate_m);
+        let turns_its_back = |c: Crossing| map.side(c.side).normal().dot(direction) >= 0.0;
         agreement.through += usize::from(through);
         agreement.on_map += usize::from(on_map);
         agreement.on_map_through += usize::from(on_map && through);
         agreement.short += usize::from(short && !on_map);
+        agreement.short_of_backs += usize::from(short && !on_map && first.is_some_and(turns_its_back));
         agreement.unknown += usize::from(!on_map && !through && !short);
     }
     agreement
@@ -168,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn a_return_from_the_other_face_of_a_wall_is_not_short_of_it() {
+    fn a_return_from_the_other_face_of_a_wall_does_not_speak_against_a_new_place() {
         let point = SidePoint {
             point: Point::new(2.8, 0.0),
             direction: Point::new(0.0, 1.0),
@@ -180,8 +197,10 @@ mod tests {
         let half_turn = std::f64::consts::PI;
         let in_the_next_room = Pose::new(6.0, 0.0, half_turn);
         let seen = judge(&[point], &grid(), in_the_next_room, 0.1);
+        assert_eq!((seen.short, seen.short_of_backs), (1, 1));
+        let seen = seen.with_other_faces();
         assert_eq!((seen.short, seen.through, seen.unknown), (0, 0, 1));
-        let in_this_room = judge(&[point], &grid(), Pose::IDENTITY, 0.1);
+        let in_this_room = judge(&[point], &grid(), Pose::IDENTITY, 0.1).with_other_faces();
         assert_eq!(in_this_room.short, 1);
     }
 

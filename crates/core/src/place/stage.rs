@@ -76,7 +76,8 @@ impl<'a> Stage<'a> {
             self.map,
             alignment.map_from_scan,
             self.settings.gate_m,
-        );
+        )
+        .with_other_faces();
         Some(Placement {
             origin,
             alignment,
@@ -161,8 +162,9 @@ impl<'a> Stage<'a> {
             return fit >= settings.least_fit && known >= settings.least_known;
         }
         let matched = p.alignment.matched_share();
-        // Returns of which the map says nothing cannot be matched: where no more than a beam or two contradict it, they do not speak against a pose.
-        // (Asked for half of all, the right pose at a door, 63 % known and all of it fitting, was given up for one 3.9 m away.)
+        // Returns of which the map says nothing cannot be matched: where no more than a beam or two contradict it, they do not
+        // speak against a pose. (Asked for half of all, the right pose at a door, 63 % known and all of it fitting, was given up
+        // for one 3.9 m away.)
         let is_matched = matched >= 0.5 || (fit >= settings.open_fit && matched >= 0.5 * known);
         self.weight >= 1.0 && fit >= settings.far_fit && known >= settings.far_known && is_matched
     }
