@@ -127,12 +127,11 @@ fn a_turn_in_a_round_room_is_told_by_the_way_out() {
     }
 }
 
-/// One room of an office is like the next, and a step in a log of keyframes may turn otherwise than the one before. The returns of
-/// a room that is entered lie before the backs of the walls that its neighbours show, and the map knows only what the door let see
-/// of it: neither speaks for the room that it is like, 3.9 m and 4.2 m away.
+/// One room of an office is like the next. The returns of a room that is entered lie before the backs of the walls that its neighbours
+/// show: that does not speak for the room that it is like, 4 m away.
 #[test]
 fn a_room_that_is_entered_is_not_taken_for_a_known_one() {
-    for seed in [1, 5] {
+    for seed in [1, 8] {
         let off_m = farthest_off_m(PlanKind::Office, Motion::keyframes(), seed);
         assert!(off_m < 0.1, "seed {seed}: {off_m}");
     }
