@@ -4,7 +4,7 @@ mod worlds;
 
 use polymapper_core::geometry::Pose;
 use polymapper_core::mapper::{Mapper, NotPlaced, Outcome, Settings};
-use worlds::{Wall, scan_from, walls};
+use worlds::{LIVING, SHED, Wall, scan_from, walls};
 
 fn placed(outcome: &Outcome) -> Option<Pose> {
     match *outcome {
@@ -15,15 +15,8 @@ fn placed(outcome: &Outcome) -> Option<Pose> {
 
 #[test]
 fn another_room_is_kept_apart_and_the_first_one_taken_up_again() {
-    let living = walls(&[
-        (-3.0, -2.0),
-        (4.0, -2.0),
-        (4.0, 0.5),
-        (2.5, 0.5),
-        (2.5, 3.0),
-        (-3.0, 3.0),
-    ]);
-    let shed = walls(&[(-1.2, -1.0), (0.9, -1.4), (1.6, 0.2), (0.3, 1.1), (-0.9, 0.8)]);
+    let living = walls(&LIVING);
+    let shed = walls(&SHED);
     let mut mapper = Mapper::new(Settings::default());
     let walk = |k: i32| Pose::new(0.1 * f64::from(k), 0.02 * f64::from(k), 0.03 * f64::from(k));
     for k in 0..12 {

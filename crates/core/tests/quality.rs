@@ -4,7 +4,7 @@ mod worlds;
 
 use polymapper_core::geometry::Pose;
 use polymapper_core::mapper::{Mapper, Origin, Settings, Step};
-use worlds::{Wall, scan_from, walls};
+use worlds::{LIVING, SHED, Wall, scan_from, walls};
 
 /// Steps of a drive along the x axis, 10 cm a scan, of a scanner that sees 8 m.
 fn driven(world: &[Wall], from_m: f64, to_m: f64) -> Vec<Step> {
@@ -51,15 +51,8 @@ fn along_a_bare_corridor_the_place_is_known_less_and_less_until_its_end_is_in_si
 
 #[test]
 fn a_step_says_where_its_pose_came_from() {
-    let room = walls(&[
-        (-3.0, -2.0),
-        (4.0, -2.0),
-        (4.0, 0.5),
-        (2.5, 0.5),
-        (2.5, 3.0),
-        (-3.0, 3.0),
-    ]);
-    let shed = walls(&[(-1.2, -1.0), (0.9, -1.4), (1.6, 0.2), (0.3, 1.1), (-0.9, 0.8)]);
+    let room = walls(&LIVING);
+    let shed = walls(&SHED);
     let mut mapper = Mapper::new(Settings::default());
     let mut see =
         |world: &[Wall], x_m: f64| mapper.add_scan(&scan_from(world, Pose::new(x_m, 0.0, 0.0), 20.0), None);

@@ -88,15 +88,11 @@ fn sides_missed(
             .and_then(|p| p.vertices.get(side.index as usize));
         vertex.is_some_and(|v| v.onward.hits > FEW_HITS)
     };
-    let map_from_scan = map_from_scan.isometry();
     let mut missed = Vec::new();
     let mut reader = map.dense.reader();
     let mut met: Vec<Crossing> = Vec::new();
-    for (range_m, ray) in scan.ranges_m().iter().zip(scan.rays()) {
-        if range_m.is_finite() {
-            continue;
-        }
-        let direction = map_from_scan.rotate(ray);
+    for (beam, _) in scan.ranges_m().iter().enumerate().filter(|(_, r)| !r.is_finite()) {
+        let direction = Point::from_polar(1.0, scan.bearing_rad(beam) + map_from_scan.theta_rad);
         met.clear();
         reader.along_ray(origin, direction, 0.95 * farthest_m, |crossing| {
             met.push(crossing);

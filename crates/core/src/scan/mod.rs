@@ -281,28 +281,7 @@ impl Scan {
 
     /// Every return with its beam number, counter-clockwise.
     pub fn points(&self) -> impl Iterator<Item = (usize, Point)> + '_ {
-        let returned = |(beam, (&range_m, ray)): (usize, (&f64, Point))| {
-            range_m.is_finite().then(|| (beam, ray * range_m))
-        };
-        self.ranges_m()
-            .iter()
-            .zip(self.rays())
-            .enumerate()
-            .filter_map(returned)
-    }
-
-    /// Unit vectors along the beams, laser frame, counter-clockwise.
-    pub fn rays(&self) -> impl Iterator<Item = Point> + '_ {
-        // One turn by the step after the other: within 10⁻¹³ of sine and cosine, at a tenth of their time.
-        let step = Pose::new(0.0, 0.0, self.geometry.step_rad).isometry();
-        let first = Point::from_polar(1.0, self.geometry.first_bearing_rad);
-        let even = std::iter::successors(Some(first), move |&ray| Some(step.rotate(ray)));
-        even.take(self.geometry.beams)
-            .enumerate()
-            .map(|(beam, ray)| match &self.straight {
-                Some(_) => Point::from_polar(1.0, self.bearing_rad(beam)),
-                None => ray,
-            })
+        (0..self.measured_m.len()).filter_map(|beam| Some((beam, self.point(beam)?)))
     }
 }
 

@@ -5,6 +5,18 @@ use polymapper_core::scan::{Scan, ScanGeometry};
 
 pub type Wall = [(f64, f64); 2];
 
+/// Corners of a room with a niche.
+pub const LIVING: [(f64, f64); 6] = [
+    (-3.0, -2.0),
+    (4.0, -2.0),
+    (4.0, 0.5),
+    (2.5, 0.5),
+    (2.5, 3.0),
+    (-3.0, 3.0),
+];
+/// Corners of a room that is like no other.
+pub const SHED: [(f64, f64); 5] = [(-1.2, -1.0), (0.9, -1.4), (1.6, 0.2), (0.3, 1.1), (-0.9, 0.8)];
+
 /// Closed rooms as walls.
 pub fn walls(corners: &[(f64, f64)]) -> Vec<Wall> {
     (0..corners.len())
