@@ -99,6 +99,10 @@ impl Mapping for CoreMapping {
             }
             .to_string()
         }));
+        self.corrections.extend(step.made_again.iter().map(|&scan| {
+            let number = numbers[scan];
+            format!("scan {number} contradicted the scans after it and was placed again, with them")
+        }));
         clock.enter("record");
         self.record.step(&self.mapper, scan, &step)
     }

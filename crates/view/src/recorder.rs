@@ -127,10 +127,11 @@ impl<S: Sink> Recorder<S> {
         self.shown.push(frame.pose);
         self.scans += 1;
         self.merged += usize::from(frame.merged);
-        // A closed loop moves poses; where several accounts of the motion were carried on, or the scanner was lost, a
-        // later scan may decide where the ones before were.
+        // A closed loop and a step made again move poses; where several accounts of the motion were carried on, or the
+        // scanner was lost, a later scan may decide where the ones before were.
         let is_open = step.tracks > 1 || frame.pose.is_none();
-        let may_have_moved = frame.recognised.is_some() || is_open || self.was_open;
+        let is_corrected = frame.recognised.is_some() || !step.made_again.is_empty();
+        let may_have_moved = is_corrected || is_open || self.was_open;
         self.was_open = is_open;
         self.tell(Line::Detail(Box::new(detail(step, scanned.scan, last))))?;
         self.tell(Line::Frame(frame))?;

@@ -2,7 +2,7 @@
 //!
 //! Places seen before are recognised and verified (`recognise`), the poses of the keyframes made to agree with all that was
 //! measured between them (`graph`), and keyframes between which little drift has gathered told from the others
-//! (`ways`). In the end keyframes that lie wrong (`second_look`) and steps that were others (`steps_again`) are put right.
+//! (`ways`). Steps that were others are put right (`steps_again`), and in the end keyframes that lie wrong (`second_look`).
 
 mod elsewhere;
 pub(crate) mod graph;
@@ -16,5 +16,5 @@ pub(crate) mod ways;
 pub use recognise::RecogniseSettings;
 pub(crate) use recognise::{Drift, Lookup, Recognised, find_in, recognise};
 pub(crate) use second_look::place_again;
-pub(crate) use steps_again::steps_again;
+pub(crate) use steps_again::{is_to_judge, steps_again};
 pub(crate) use ties::ties;

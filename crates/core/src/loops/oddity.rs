@@ -7,6 +7,8 @@ use crate::keyframe::Keyframe;
 const LIKE_IT: usize = 5;
 /// Steps so near in the log are no examples: they may be wrong, too.
 const TOO_NEAR: usize = 3;
+/// When so many keyframes follow one, there are examples enough.
+pub(super) const ENOUGH_AFTER: usize = TOO_NEAR + LIKE_IT + 1;
 
 /// How unlike the steps of the log that are not near keyframe `k` a step is, metres (1 rad counts as 1 m).
 pub(super) fn oddity(keyframes: &[Keyframe], k: usize, step: Pose) -> f64 {

@@ -83,6 +83,8 @@ pub(crate) struct Atlas {
     /// Way since the map around was brought up to where the scanner is, and since the last look for a known place, metres.
     unrenewed_m: f64,
     unlooked_m: f64,
+    /// The first keyframe whose step is still to be judged by what was seen on both sides of it.
+    unjudged_from: usize,
 }
 
 impl Atlas {
@@ -247,10 +249,12 @@ impl Atlas {
         }
     }
 
-    /// Looks for a known place, moves the keyframes if one is found, and makes the map around anew when it is due.
-    /// Returns the motion of the map frame that the newest keyframe has made.
+    /// Judges steps again of which enough has been seen on both sides, looks for a known place, moves the keyframes if
+    /// a step was another one or a place is found, and makes the map around anew when it is due. Returns the motion of
+    /// the map frame that the newest keyframe has made.
     pub fn close_loops(&mut self, step: &mut Step, settings: &Settings) -> Pose {
         let (newest, before) = self.newest();
+        step.made_again = self.judge_steps(settings);
         let mut is_closed = false;
         if self.unlooked_m > LOOK_AFTER_M {
             self.unlooked_m = 0.0;

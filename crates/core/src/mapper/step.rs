@@ -147,6 +147,9 @@ pub struct Step {
     pub recognised: Option<usize>,
     /// Places recognised before that do not count any more, and why.
     pub revoked: Vec<Revoked>,
+    /// Numbers of earlier scans that were placed again, with all that follow: by what has been seen since, the step to
+    /// them was another one.
+    pub made_again: Vec<usize>,
 }
 
 impl Step {
@@ -170,6 +173,7 @@ impl Step {
             moving: Vec::new(),
             recognised: None,
             revoked: Vec::new(),
+            made_again: Vec::new(),
         }
     }
 
