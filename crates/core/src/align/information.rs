@@ -90,6 +90,16 @@ impl Information {
         Self { rows }
     }
 
+    /// The information that is left when the pose may be off along `way` as well, with standard deviation `sigma` of it: noise of rank
+    /// one, (Ω⁻¹ + σ² v vᵀ)⁻¹, by the formula of Sherman and Morrison.
+    #[must_use]
+    pub fn with_noise_along(mut self, way: [f64; 3], sigma: f64) -> Self {
+        let told = self.times(way);
+        let variance = sigma * sigma;
+        self.add_residual(told, -variance / (1.0 + variance * self.quadratic(way)));
+        self
+    }
+
     /// What is left of the information Ω and of a `gradient` where `seeming` S may have been taken for it:
     /// Ω (Ω + S)⁻¹ Ω and Ω (Ω + S)⁻¹ g. The pose that they ask for is the same; where Ω is large against S they are kept,
     /// where it is not hardly anything is. `None` when something is not determined.
@@ -227,6 +237,21 @@ mod tests {
         }
         information.add_residual([1.0, 0.0, 0.0], 0.5);
         information
+    }
+
+    #[test]
+    fn noise_along_a_way_adds_to_the_covariance_there_and_nowhere_else() {
+        let information = Information::from_sigmas(0.1, 0.2, 0.01);
+        let left = information.with_noise_along([0.3, 0.0, 0.05], 0.5);
+        let covariance = left.covariance().unwrap();
+        let expected = [
+            [0.01 + 0.0225, 0.0, 0.003_75],
+            [0.0, 0.04, 0.0],
+            [0.003_75, 0.0, 0.000_1 + 0.000_625],
+        ];
+        for (row, wanted) in covariance.iter().flatten().zip(expected.iter().flatten()) {
+            assert!((row - wanted).abs() < 1e-12, "{covariance:?}");
+        }
     }
 
     #[test]

@@ -46,6 +46,12 @@ impl Pose {
         Point::new(self.x, self.y)
     }
 
+    /// Whether another pose is nearer than `reach_m`, metres, and turned by less than `reach_rad`, radians.
+    #[must_use]
+    pub fn is_within(self, reach_m: f64, reach_rad: f64, other: Self) -> bool {
+        self.distance(other) < reach_m && wrap_rad(self.theta_rad - other.theta_rad).abs() < reach_rad
+    }
+
     /// The motion that undoes this one: `b_from_a` of `a_from_b`.
     #[must_use]
     pub fn inverse(self) -> Self {

@@ -18,7 +18,7 @@ pub(crate) mod votes;
 
 use crate::align::{AlignSettings, Alignment, Guess, Information, SidePoint, align_to_grid, side_points};
 use crate::extract::{ExtractSettings, RunningNoise, extract};
-use crate::geometry::{Pose, SideGrid, wrap_rad};
+use crate::geometry::{Pose, SideGrid};
 use crate::map::Map;
 use crate::place::{Agreement, thinned};
 use crate::scan::Scan;
@@ -267,8 +267,7 @@ impl Locator {
 
     fn is_different(&self, a: &Fix, b: &Fix) -> bool {
         let (a, b) = (a.map_from_scan, b.map_from_scan);
-        a.distance(b) > self.settings.different_m
-            || wrap_rad(a.theta_rad - b.theta_rad).abs() > self.settings.different_rad
+        !a.is_within(self.settings.different_m, self.settings.different_rad, b)
     }
 }
 

@@ -68,8 +68,7 @@ fn find(map: &Map, scan: &Scan) -> Localisation {
 }
 
 fn is_at(fix: &Fix, pose: Pose) -> bool {
-    fix.map_from_scan.distance(pose) < 0.03
-        && wrap_rad(fix.map_from_scan.theta_rad - pose.theta_rad).abs() < 0.01
+    fix.map_from_scan.is_within(0.03, 0.01, pose)
 }
 
 #[test]

@@ -257,10 +257,10 @@ fn ways(looked: &[Found], keyframes: &[Keyframe]) -> Vec<(Pose, usize)> {
 /// The pose of a keyframe that agrees with a way, if one does.
 fn placed(found: &Found, keyframes: &[Keyframe], first_from_second: Pose) -> Option<Placed> {
     let expected = first_from_second * keyframes[found.keyframe].map_from_scan;
-    let fix = found.fixes.iter().find(|fix| {
-        fix.map_from_scan.distance(expected) < AGREE_M
-            && wrap_rad(fix.map_from_scan.theta_rad - expected.theta_rad).abs() < AGREE_RAD
-    })?;
+    let fix = found
+        .fixes
+        .iter()
+        .find(|fix| fix.map_from_scan.is_within(AGREE_M, AGREE_RAD, expected))?;
     (found.verdict != Verdict::NotFound).then_some(Placed {
         keyframe: found.keyframe,
         map_from_scan: fix.map_from_scan,

@@ -1,6 +1,6 @@
 //! When a keyframe that is looked for again lies in another place.
 
-use crate::geometry::{Pose, wrap_rad};
+use crate::geometry::Pose;
 
 /// How far from where it lies a keyframe is looked for, metres.
 pub(super) const WINDOW_M: f64 = 2.5;
@@ -10,5 +10,5 @@ const OTHER_RAD: f64 = 0.07;
 
 /// Whether a pose is another place than `here`.
 pub(super) fn is_elsewhere(pose: Pose, here: Pose) -> bool {
-    pose.distance(here) > OTHER_M || wrap_rad(pose.theta_rad - here.theta_rad).abs() > OTHER_RAD
+    !pose.is_within(OTHER_M, OTHER_RAD, here)
 }

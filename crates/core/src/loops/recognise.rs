@@ -357,10 +357,9 @@ impl Place {
         fits.sort_by(|a, b| b.0.total_cmp(&a.0));
         let (score, agreement, alignment) = *fits.first()?;
         let pose = alignment.map_from_scan;
-        let second = fits.iter().find(|(_, _, a)| {
-            let other = a.map_from_scan;
-            other.distance(pose) > 0.4 || wrap_rad(other.theta_rad - pose.theta_rad).abs() > 0.17
-        });
+        let second = fits
+            .iter()
+            .find(|(_, _, a)| !a.map_from_scan.is_within(0.4, 0.17, pose));
         let lead = second.map_or(1.0, |s| score - s.0);
         let misfit = |a: &Agreement| 1.0 - a.fit() + 0.02;
         let outdoes = second.map_or(f64::INFINITY, |s| misfit(&s.1) / misfit(&agreement));

@@ -4,6 +4,7 @@
 //! paper's G(t−1), as far as it agrees with itself) is kept up to date scan by scan, so that it holds only keyframes
 //! between which little drift has gathered ([`local`]). The map of all keyframes is made when it is asked for.
 
+mod edges;
 mod enough;
 mod local;
 mod saved;
@@ -12,12 +13,13 @@ mod shown;
 mod straighten;
 
 use super::{Revoked, Settings, Step};
+use edges::{doubted, edge_to_next, is_doubtful, loosened};
 use enough::needed;
 use local::Local;
 use std::sync::Arc;
 
-use crate::align::{Alignment, Information};
-use crate::geometry::{Pose, wrap_rad};
+use crate::align::Information;
+use crate::geometry::Pose;
 use crate::keyframe::{Keyframe, Seen, middle_of};
 use crate::loops::graph::{Edge, contradicted, optimise};
 use crate::loops::ways::{ways, ways_m};
@@ -157,8 +159,7 @@ impl Atlas {
         };
         let last = keyframe.map_from_scan;
         let new_share = step.agreement.map_or(1.0, |a| 1.0 - a.known_share());
-        last.distance(pose) > KEYFRAME_M
-            || wrap_rad(last.theta_rad - pose.theta_rad).abs() > KEYFRAME_RAD
+        !last.is_within(KEYFRAME_M, KEYFRAME_RAD, pose)
             || new_share > KEYFRAME_NEW_SHARE
             || step.scan - keyframe.number >= KEYFRAME_SCANS
     }
@@ -176,6 +177,7 @@ impl Atlas {
         if let Some(last) = self.keyframes.last() {
             let from = self.keyframes.len() - 1;
             let edge = edge_to_next(from, last.map_from_scan, pose, step.alignment.as_ref());
+            let edge = doubted(edge, last.map_from_scan, pose, step, &settings.place);
             let way_m = edge.motion.translation().norm();
             self.unrenewed_m += way_m;
             self.unlooked_m += way_m;
@@ -433,38 +435,8 @@ impl Atlas {
     }
 }
 
-/// Whether other places came near when a scan was placed: where the predicted pose settled it, none was looked at.
-fn is_doubtful(step: &Step) -> bool {
-    const CLEAR_LEAD: f64 = 0.25;
-    let is_settled = step.alignment.is_some() && step.hypotheses.len() == 1;
-    !is_settled && step.lead.is_none_or(|lead| lead < CLEAR_LEAD)
-}
-
 /// Keyframes to which the way is no longer than `limit_m`, ascending.
 fn within(ways_m: &[Option<f64>], limit_m: f64) -> Vec<usize> {
     let is_within = |way: &Option<f64>| way.is_some_and(|m| m <= limit_m);
     (0..ways_m.len()).filter(|&k| is_within(&ways_m[k])).collect()
-}
-
-/// The edge between two keyframes in a row. Where the walls leave a direction open, the motion model holds it: without,
-/// a closed loop would pull a corridor out like a drawer at the one keyframe that saw least.
-fn edge_to_next(from: usize, last: Pose, pose: Pose, alignment: Option<&Alignment>) -> Edge {
-    let motion = last.inverse() * pose;
-    let walls = alignment.map_or_else(Information::default, |a| a.information.turned(-last.theta_rad));
-    let sigma_m = 0.03 + 0.2 * motion.translation().norm();
-    let sigma_rad = 0.03 + 0.2 * motion.theta_rad.abs();
-    let kept_going = Information::from_sigmas(sigma_m, sigma_m, sigma_rad);
-    Edge {
-        from,
-        to: from + 1,
-        motion,
-        information: loosened(&walls).plus(&kept_going),
-        is_loop: false,
-    }
-}
-
-/// What the walls say is more than they know: the map they are compared with has errors of its own. Standard
-/// deviations of 5 mm and 0.1° are added.
-fn loosened(information: &Information) -> Information {
-    information.with_noise(0.005, 0.002)
 }

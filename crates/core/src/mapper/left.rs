@@ -9,7 +9,7 @@ mod anywhere;
 
 use super::Settings;
 use super::atlas::{Atlas, LOST_M, LOST_RAD};
-use crate::geometry::{Pose, wrap_rad};
+use crate::geometry::Pose;
 use crate::keyframe::Keyframe;
 use crate::locate::votes::Choice;
 use crate::loops::graph::Edge;
@@ -135,8 +135,7 @@ impl Left {
         let lookup = self.at_choice(&choice, new)?;
         let edge = find_in(&lookup, &settings.align, &settings.recognise)?;
         let (voted, found) = (lookup.centre, self.atlas.pose(edge.from) * edge.motion);
-        let agrees =
-            found.distance(voted) < AGREE_M && wrap_rad(found.theta_rad - voted.theta_rad).abs() < AGREE_RAD;
+        let agrees = found.is_within(AGREE_M, AGREE_RAD, voted);
         agrees.then_some(edge)
     }
 
@@ -186,7 +185,6 @@ impl Left {
         let begun = old_from_new * first.map_from_scan;
         let left = self.motion.predicted().map_from_scan;
         let drift = BEGUN_PER_M * newest.way_m;
-        begun.distance(left) < BEGUN_M + drift
-            && wrap_rad(begun.theta_rad - left.theta_rad).abs() < BEGUN_RAD + 0.1 * drift
+        begun.is_within(BEGUN_M + drift, BEGUN_RAD + 0.1 * drift, left)
     }
 }

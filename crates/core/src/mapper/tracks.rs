@@ -5,7 +5,6 @@
 //! it ends when another has explained the scans since clearly better.
 
 use super::track::{Track, Way};
-use crate::geometry::wrap_rad;
 use crate::place::{Answer, Placement};
 
 /// A place is carried as an alternative when its merit comes so near the best one.
@@ -110,5 +109,5 @@ fn is_same(a: &Onward, b: &Onward) -> bool {
 
 fn is_near(a: &Placement, b: &Placement) -> bool {
     let (a, b) = (a.alignment.map_from_scan, b.alignment.map_from_scan);
-    a.distance(b) < 0.15 && wrap_rad(a.theta_rad - b.theta_rad).abs() < 0.05
+    a.is_within(0.15, 0.05, b)
 }

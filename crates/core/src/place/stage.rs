@@ -91,8 +91,7 @@ impl<'a> Stage<'a> {
     pub fn try_guess(&mut self, origin: Origin, guess: &Guess) {
         let is_known = |p: &Placement| {
             let pose = p.alignment.map_from_scan;
-            pose.distance(guess.map_from_scan) < SAME_GUESS_M
-                && wrap_rad(pose.theta_rad - guess.map_from_scan.theta_rad).abs() < SAME_GUESS_RAD
+            pose.is_within(SAME_GUESS_M, SAME_GUESS_RAD, guess.map_from_scan)
         };
         if !self.found.iter().any(is_known)
             && let Some(placement) = self.aligned(origin, guess)
@@ -174,10 +173,7 @@ impl<'a> Stage<'a> {
         let mut out: Vec<Placement> = Vec::new();
         for p in &self.found {
             let pose = p.alignment.map_from_scan;
-            let differs = |other: &Placement| {
-                let other = other.alignment.map_from_scan;
-                other.distance(pose) > 0.25 || wrap_rad(other.theta_rad - pose.theta_rad).abs() > 0.07
-            };
+            let differs = |other: &Placement| !other.alignment.map_from_scan.is_within(0.25, 0.07, pose);
             if self.is_believed(p) && out.iter().all(differs) {
                 out.push(*p);
             }
@@ -201,10 +197,8 @@ impl<'a> Stage<'a> {
         all.sort_by(|a, b| b.merit.total_cmp(&a.merit));
         let winner = all.first().copied()?;
         let pose = winner.alignment.map_from_scan;
-        let second = all.iter().find(|p| {
-            let other = p.alignment.map_from_scan;
-            other.distance(pose) > 0.5 || wrap_rad(other.theta_rad - pose.theta_rad).abs() > 0.17
-        });
+        let differs = |p: &&Placement| !p.alignment.map_from_scan.is_within(0.5, 0.17, pose);
+        let second = all.iter().find(differs);
         Some(Placement {
             lead: second.map(|s| winner.merit - s.merit),
             ..winner

@@ -1,8 +1,9 @@
 //! What is done when no scan follows: keyframes that the finished map contradicts are looked for again, steps that were
 //! doubtful are judged by what was seen on both sides, and poses and walls are adjusted together.
 
+use super::Atlas;
+use super::edges::{edge_to_next, loosened};
 use super::enough::few_of_each_view;
-use super::{Atlas, edge_to_next, loosened};
 use crate::adjust::adjusted;
 use crate::align::Information;
 use crate::geometry::{Pose, SideGrid};

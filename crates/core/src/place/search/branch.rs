@@ -110,10 +110,7 @@ pub(crate) fn search(field: &Field, points: &[(Point, Point)], window: &Window) 
             continue;
         }
         if block.level == 0 {
-            let near = |c: &Candidate| {
-                wrap_rad(c.map_from_scan.theta_rad - pose.theta_rad).abs() < SAME_RAD
-                    && c.map_from_scan.distance(pose) < SAME_M
-            };
+            let near = |c: &Candidate| c.map_from_scan.is_within(SAME_M, SAME_RAD, pose);
             if !found.iter().any(near) {
                 found.push(Candidate {
                     map_from_scan: pose,
