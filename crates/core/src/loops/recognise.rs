@@ -68,7 +68,7 @@ pub(crate) fn recognise(
     let newest = keyframes.len().checked_sub(1)?;
     let unknown = Way {
         length_m: f64::INFINITY,
-        open_m2: 0.0,
+        ..Way::default()
     };
     let way = |k: usize| ways[k].unwrap_or(unknown);
     let drift = |k: usize| Drift::after(way(k), settings);
@@ -177,7 +177,7 @@ impl Drift {
         let way_m = way.length_m.min(1e4);
         let sigma_m = (0.15 + settings.drift_share * way_m).hypot(way.open_m2.sqrt());
         // A turn by one degree in 50 m.
-        let sigma_rad = 0.02 + 0.000_35 * way_m;
+        let sigma_rad = (0.02 + 0.000_35 * way_m).hypot(way.open_rad2.sqrt());
         Self {
             sigma_m,
             sigma_rad,

@@ -19,7 +19,7 @@ use local::Local;
 use std::sync::Arc;
 
 use crate::align::Information;
-use crate::geometry::Pose;
+use crate::geometry::{Point, Pose};
 use crate::keyframe::{Keyframe, Seen, middle_of};
 use crate::loops::graph::{Edge, contradicted, optimise};
 use crate::loops::ways::{ways, ways_m};
@@ -366,7 +366,7 @@ impl Atlas {
 
     fn known_place(&self, settings: &Settings) -> Option<Recognised> {
         let newest = self.keyframes.len() - 1;
-        let ways = ways(self.keyframes.len(), &self.edges, newest, f64::INFINITY);
+        let ways = ways(&self.places(), &self.edges, newest, f64::INFINITY);
         let found = recognise(
             &self.keyframes,
             &ways,
@@ -407,7 +407,7 @@ impl Atlas {
     /// Brings the map around up to where the scanner is now.
     fn follow_local(&mut self, settings: &Settings) {
         let (newest, here) = self.newest();
-        let ways = ways_m(self.keyframes.len(), &self.edges, newest, DRIFTED_M);
+        let ways = ways_m(&self.places(), &self.edges, newest, DRIFTED_M);
         let has_drifted = |&k: &usize| ways[k].is_none() && self.pose(k).distance(here) < DRIFTED_M;
         if self.local.order().iter().any(has_drifted) {
             self.renew_local(settings);
@@ -422,7 +422,14 @@ impl Atlas {
     /// The ways to the keyframes within reach of the newest.
     fn ways_around(&self) -> Vec<Option<f64>> {
         let newest = self.keyframes.len() - 1;
-        ways_m(self.keyframes.len(), &self.edges, newest, LOCAL_M)
+        ways_m(&self.places(), &self.edges, newest, LOCAL_M)
+    }
+
+    fn places(&self) -> Vec<Point> {
+        self.keyframes
+            .iter()
+            .map(|k| k.map_from_scan.translation())
+            .collect()
     }
 
     /// The map of all keyframes, after the final pass.

@@ -40,8 +40,8 @@ pub(super) fn edge_to_next(from: usize, last: Pose, pose: Pose, alignment: Optio
 }
 
 /// An edge as firm as it is when other places came near: its covariance is that of all places that were looked at, each weighed
-/// by how likely it was against the one taken. A place in a corridor that won by a hair is then moved by what is seen later. (Of
-/// nine runs of a log that slides along one, ranges alike to a millionth, three had broken relations there, and with this none.)
+/// by how likely it was against the one taken. A place in a corridor that won by a hair is then moved by what is seen later, and
+/// places seen before are looked for as far off as it may be.
 pub(super) fn doubted(edge: Edge, last: Pose, pose: Pose, step: &Step, settings: &PlaceSettings) -> Edge {
     let is_same = |h: &Hypothesis, place: Pose| h.map_from_scan.is_within(SAME_M, SAME_RAD, place);
     let Some(taken) = step.hypotheses.iter().find(|h| is_same(h, pose)) else {
