@@ -55,6 +55,8 @@ pub(crate) struct Motion {
     steady: u32,
     /// The last steps, oldest first, each in the frame of the scan before it.
     steps: VecDeque<Pose>,
+    /// How many of them are longer than [`SMOOTH_STEP_M`].
+    long_steps: usize,
 }
 
 impl Motion {
@@ -70,6 +72,7 @@ impl Motion {
             usual: Surprise::default(),
             steady: 0,
             steps: VecDeque::new(),
+            long_steps: 0,
         }
     }
 
@@ -137,10 +140,17 @@ impl Motion {
             self.usual.covariance()
         };
         self.speed.see(&seen, &change);
+        self.remember(seen.step);
+    }
+
+    fn remember(&mut self, step: Pose) {
+        let is_long = |step: &Pose| step.translation().norm() > SMOOTH_STEP_M;
         if self.steps.len() == MEMORY {
-            self.steps.pop_front();
+            let forgotten = self.steps.pop_front();
+            self.long_steps -= usize::from(forgotten.as_ref().is_some_and(is_long));
         }
-        self.steps.push_back(seen.step);
+        self.long_steps += usize::from(is_long(&step));
+        self.steps.push_back(step);
     }
 
     /// Whether the next pose is where the scanner turned to while its heading was open: it did not turn there in one step.
@@ -192,15 +202,11 @@ impl Motion {
 
     /// Whether scans follow each other so closely that the next is sure to lie near the predicted pose.
     pub fn is_smooth(&self) -> bool {
-        let long = self
-            .steps
-            .iter()
-            .filter(|s| s.translation().norm() > SMOOTH_STEP_M);
         self.lost_scans == 0
             && self.steady >= STEADY_STEPS
             && self.usual.shift_m < 0.15
             && self.usual.turn_rad < 0.15
-            && 10 * long.count() <= self.steps.len()
+            && 10 * self.long_steps <= self.steps.len()
     }
 
     /// Where it is when it has stopped.
