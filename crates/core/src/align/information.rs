@@ -206,11 +206,10 @@ impl Information {
         (Point::from_polar(1.0, strong_rad).left(), self.least_told())
     }
 
-    /// Variance of the heading when the place is left free, rad²; 0 when something is not determined.
+    /// Variance of the heading when the place is left free, rad²; `None` when something is not determined.
     #[must_use]
-    pub fn heading_variance_rad2(&self) -> f64 {
-        self.solve([0.0, 0.0, 1.0])
-            .map_or(0.0, |covariance| covariance[2])
+    pub fn heading_variance_rad2(&self) -> Option<f64> {
+        self.solve([0.0, 0.0, 1.0]).map(|covariance| covariance[2])
     }
 
     /// How much it says in its weakest direction, 1/m² (see [`Self::weakest_direction`]).

@@ -5,6 +5,8 @@ use crate::geometry::Point;
 
 /// What an edge says at the least of a shift, 1/m²: a standard deviation of 10 m.
 const LEAST_TOLD: f64 = 0.01;
+/// What an edge leaves open of a turn at the most, rad²: a standard deviation of 1 rad.
+const MOST_OPEN_RAD2: f64 = 1.0;
 /// A step that is surer of the heading than this, radians, adds nothing to the drift that is usual.
 const USUAL_RAD: f64 = 0.01;
 
@@ -81,10 +83,12 @@ impl Ties {
             } else {
                 edge.motion.translation().norm() + 0.05
             };
+            let turn_rad2 = edge.information.heading_variance_rad2();
+            let turn_rad2 = turn_rad2.map_or(MOST_OPEN_RAD2, |v| v.min(MOST_OPEN_RAD2));
             let tie = Way {
                 length_m,
                 open_m2: 1.0 / edge.information.least_told().max(LEAST_TOLD),
-                open_rad2: (edge.information.heading_variance_rad2() - USUAL_RAD * USUAL_RAD).max(0.0),
+                open_rad2: (turn_rad2 - USUAL_RAD * USUAL_RAD).max(0.0),
             };
             for (node, other) in [(edge.to, edge.from), (edge.from, edge.to)] {
                 begin[node] -= 1;

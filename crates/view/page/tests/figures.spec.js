@@ -239,6 +239,9 @@ test("two hundred clients slow the mapper by 5 % at most", async ({ viewing }) =
   console.log(`mapper ${alone.toFixed(2)} s alone, ${abused.toFixed(2)} s with 200 clients; memory ${peak(costs.alone)}, ${peak(costs.abused)} MB`);
   console.log(`the least of ${costs.alone.length} each: ${JSON.stringify(times())}`);
   expect(Number(peak(costs.abused))).toBeLessThan(Number(peak(costs.alone)) + 100);
-  test.skip(!isAtRest() && abused / alone > 1.05, `not judged: the same run takes now more, now less time (${costs.alone.length} each)`);
+  // A machine that never comes to rest excuses no more than its unrest.
+  const noise = Math.max(...times().map(unrest));
+  const isInNoise = !isAtRest() && abused / alone <= 1.05 + noise;
+  test.skip(abused / alone > 1.05 && isInNoise, `not judged: the least times are ${(100 * noise).toFixed(0)} % apart`);
   expect(abused / alone).toBeLessThanOrEqual(1.05);
 });
