@@ -9,6 +9,7 @@ import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { abuse } from "./abusers.js";
 import { expect, frameTimes, median, open, quantile, RAW_INTEL, run, SAMPLE, start, test } from "./polymapper.js";
+import { ratioOfPairs } from "./pairs.js";
 import { Processors } from "./processors.js";
 
 const FRAME_MS = 33;
@@ -156,16 +157,17 @@ function noteWhatIsShown(page) {
 }
 
 /**
- * Plays the sample at 40 scans a second into a viewer that the page follows.
+ * Plays a log at 40 scans a second into a viewer that the page follows.
+ * @param {string} log
  * @param {import("@playwright/test").Page} page
  * @param {import("./polymapper.js").View} viewer
  * @returns {Promise<number[]>} Milliseconds from sent to shown, ascending.
  */
-async function playLive(page, viewer) {
+async function playLive(log, page, viewer) {
   await page.goto(viewer.url);
   await expect(page.locator("#scan-panel")).toContainText("Waiting for the first scan");
   await noteWhatIsShown(page);
-  const player = start(["play", SAMPLE, "--hz", "40"]);
+  const player = start(["play", log, "--hz", "40"]);
   /** @type {number[]} */
   const sent = [];
   for await (const line of createInterface({ input: player.stdout })) {
@@ -178,11 +180,16 @@ async function playLive(page, viewer) {
   return shown.map(([n, at]) => at - sent[n]).sort((a, b) => a - b);
 }
 
-test("a scan of a live stream is shown within 100 ms, at 40 scans a second", async ({ page, viewing }) => {
+test("a scan of a live stream is shown within 100 ms, at 40 scans a second", async ({ page, viewing, scratch }) => {
   test.setTimeout(180_000);
+  // Every scan of a robot that drives, as a live stream has them. The sample keeps one in some centimetres to half a metre: at
+  // 40 a second that is a drive of up to 20 m/s, and measures how fast scans without a prediction are searched for.
+  const log = join(scratch, "live.log.gz");
+  run(["simulate", "--plan", "office", "--scans", "300", "-o", log]);
   await judge("live, p95 of 300 scans", 100, { wanted: 3, tries: 6 }, async () => {
     const viewer = await viewing("-");
-    const late = await playLive(page, viewer);
+    const late = await playLive(log, page, viewer);
+    expect(late.length).toBe(300);
     console.log(`live, median of 300 scans: ${quantile(late, 0.5)} ms, worst ${late[late.length - 1]} ms`);
     await expect(page.locator("#status")).toHaveText("live");
     viewer.process.stdin.end();
@@ -203,29 +210,21 @@ function costOf({ process: { pid } }) {
   return { cpu_s: (Number(fields[11]) + Number(fields[12])) / 100, peak_mb: Number(peak) / 1000 };
 }
 
-/**
- * How far the two least of some times are apart, as a share of the least.
- * @param {number[]} times
- */
-function unrest(times) {
-  const [least, next] = times.toSorted((a, b) => a - b);
-  return next / least - 1;
-}
+/** How the mapper is measured. */
+const KINDS = /** @type {const} */ (["alone", "abused"]);
 
 test("two hundred clients slow the mapper by 5 % at most", async ({ viewing }) => {
   test.skip(!existsSync("/proc/self/stat"), "skipped: processor times are read on Linux");
-  test.setTimeout(420_000);
+  test.setTimeout(900_000);
   const log = existsSync(RAW_INTEL) ? RAW_INTEL : SAMPLE;
+  const MOST = 1.05;
+  const [fewest, most] = log === SAMPLE ? [8, 16] : [4, 8];
   /** @type {{alone: ReturnType<typeof costOf>[], abused: ReturnType<typeof costOf>[]}} */
   const costs = { alone: [], abused: [] };
-  const times = () => [costs.alone, costs.abused].map((all) => all.map((c) => c.cpu_s));
-  // What else the machine does can only add to the time, a tenth and more from one run to the next: the least is the
-  // cost, once the least two are nearer than what is to be judged. The sample takes two seconds, and one in twenty is
-  // soon lost in the noise of one.
-  const [fewest, most] = log === SAMPLE ? [8, 16] : [3, 8];
-  const isAtRest = () => times().every((all) => all.length >= fewest && unrest(all) <= 0.02);
-  for (let k = 0; k < most && !isAtRest(); k += 1) {
-    for (const kind of /** @type {const} */ (["alone", "abused"])) {
+  const ratio = () => ratioOfPairs(costs.alone.map((alone, k) => [alone.cpu_s, costs.abused[k].cpu_s]));
+  for (let k = 0; k < most && (k < fewest || ratio().high > MOST); k += 1) {
+    // Now one is first, now the other: a machine that becomes slower does so within a pair, too.
+    for (const kind of k % 2 === 0 ? KINDS : KINDS.toReversed()) {
       const viewer = await viewing(log);
       const end = kind === "abused" ? abuse(viewer.url) : () => {};
       await viewer.said(/all is read/);
@@ -234,14 +233,13 @@ test("two hundred clients slow the mapper by 5 % at most", async ({ viewing }) =
       viewer.process.kill("SIGKILL");
     }
   }
-  const [alone, abused] = times().map((all) => Math.min(...all));
   const peak = (/** @type {ReturnType<typeof costOf>[]} */ all) => Math.max(...all.map((c) => c.peak_mb)).toFixed(0);
-  console.log(`mapper ${alone.toFixed(2)} s alone, ${abused.toFixed(2)} s with 200 clients; memory ${peak(costs.alone)}, ${peak(costs.abused)} MB`);
-  console.log(`the least of ${costs.alone.length} each: ${JSON.stringify(times())}`);
+  const times = Object.entries(costs).map(([kind, all]) => `${kind} ${all.map((c) => c.cpu_s.toFixed(2)).join(", ")} s`);
+  console.log(`mapper ${times.join("; ")}; memory ${peak(costs.alone)}, ${peak(costs.abused)} MB`);
+  const { middle, low, high } = ratio();
+  const said = `${middle.toFixed(3)} times as much with 200 clients, ${low.toFixed(3)} to ${high.toFixed(3)} by ${costs.alone.length} pairs`;
+  console.log(said);
   expect(Number(peak(costs.abused))).toBeLessThan(Number(peak(costs.alone)) + 100);
-  // A machine that never comes to rest excuses no more than its unrest.
-  const noise = Math.max(...times().map(unrest));
-  const isInNoise = !isAtRest() && abused / alone <= 1.05 + noise;
-  test.skip(abused / alone > 1.05 && isInNoise, `not judged: the least times are ${(100 * noise).toFixed(0)} % apart`);
-  expect(abused / alone).toBeLessThanOrEqual(1.05);
+  test.skip(middle > MOST && low <= MOST, `not judged: ${said}`);
+  expect(middle, said).toBeLessThanOrEqual(MOST);
 });

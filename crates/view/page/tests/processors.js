@@ -38,13 +38,22 @@ function ours_s() {
   const all = new Map();
   for (const pid of readdirSync("/proc").filter((name) => /^\d+$/.test(name))) {
     const fields = statOf(pid);
-    if (fields) all.set(Number(pid), { parent: Number(fields[1]), used_s: (Number(fields[11]) + Number(fields[12])) * TICK_S });
+    if (fields) all.set(Number(pid), { parent: Number(fields[1]), used_s: usedBy(fields) });
   }
   const isOurs = (/** @type {number} */ pid) => {
     for (let at = pid; at > 0; at = all.get(at)?.parent ?? 0) if (at === process.pid) return true;
     return false;
   };
   return [...all].reduce((sum, [pid, { used_s }]) => (isOurs(pid) ? sum + used_s : sum), 0);
+}
+
+/**
+ * Time that a program had, and those that it started and that have ended, seconds.
+ * @param {string[]} fields Of its `stat`, after the name.
+ */
+function usedBy(fields) {
+  const [user, system, usersOfEnded, systemsOfEnded] = fields.slice(11, 15).map(Number);
+  return (user + system + usersOfEnded + systemsOfEnded) * TICK_S;
 }
 
 /**
