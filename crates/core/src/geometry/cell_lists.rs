@@ -10,6 +10,8 @@ use super::cells::Cell;
 
 /// Cells along an edge of a block, as a power of two.
 const BLOCK_BITS: i32 = 3;
+/// Column or row within a block.
+const BLOCK_MASK: i32 = (1 << BLOCK_BITS) - 1;
 /// Cells of a block.
 const BLOCK_CELLS: usize = 1 << (2 * BLOCK_BITS);
 
@@ -32,8 +34,7 @@ fn place_of((x, y): Cell) -> u64 {
 }
 
 fn within((x, y): Cell) -> usize {
-    const MASK: i32 = (1 << BLOCK_BITS) - 1;
-    (((y & MASK) << BLOCK_BITS) | (x & MASK)) as usize
+    (((y & BLOCK_MASK) << BLOCK_BITS) | (x & BLOCK_MASK)) as usize
 }
 
 impl CellLists {
@@ -97,6 +98,27 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Calls `visit` for every cell of row `y` from column `x0` to `x1` that holds something, with what it holds. Cells that hold
+    /// nothing, most of a floor, cost nothing.
+    #[inline]
+    pub fn in_row(&mut self, y: i32, (x0, x1): (i32, i32), mut visit: impl FnMut(Cell, &'a [u32])) {
+        for column in x0 >> BLOCK_BITS..=x1 >> BLOCK_BITS {
+            let first = column << BLOCK_BITS;
+            let Some(block) = self.block((first, y)) else {
+                continue;
+            };
+            let row = within((first, y));
+            let (from, to) = ((x0 - first).max(0), (x1 - first).min(BLOCK_MASK));
+            let wanted = (2_u64 << to) - (1 << from);
+            let mut held = block.occupied >> row & wanted;
+            while held != 0 {
+                let k = held.trailing_zeros();
+                visit((first + k as i32, y), &block.cells[row + k as usize]);
+                held &= held - 1;
+            }
+        }
+    }
+
     #[inline]
     fn block(&mut self, cell: Cell) -> Option<&'a Block> {
         let place = place_of(cell);
@@ -152,5 +174,23 @@ mod tests {
         assert!(reader.get((1, 0)).is_empty());
         assert_eq!(reader.get((-20, -60)), [0]);
         assert_eq!(reader.get((19, 57)), [39]);
+    }
+
+    #[test]
+    fn a_row_gives_what_its_cells_give_one_by_one() {
+        let mut lists = CellLists::default();
+        for k in -40..40 {
+            lists.add((k * k % 31 - 15, k % 3), (k + 40) as u32);
+        }
+        let mut reader = lists.reader();
+        for (y, x0, x1) in [(0, -15, 15), (1, -3, -3), (-2, -8, 7), (2, 3, 12), (5, -20, 20)] {
+            let mut in_row = Vec::new();
+            reader.in_row(y, (x0, x1), |cell, held| in_row.push((cell, held)));
+            let one_by_one: Vec<(Cell, &[u32])> = (x0..=x1)
+                .map(|x| ((x, y), reader.get((x, y))))
+                .filter(|(_, held)| !held.is_empty())
+                .collect();
+            assert_eq!(in_row, one_by_one, "row {y}, {x0} to {x1}");
+        }
     }
 }

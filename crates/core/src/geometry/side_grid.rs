@@ -323,15 +323,14 @@ impl<'a> GridReader<'a> {
         // What is found in the point's own cell most often leaves no other to look at.
         let own = cell_at(p);
         best.look(self.cells.get(own), &allowed);
-        let (x0, x1) = (cell_of(p.x - best.reach_m), cell_of(p.x + best.reach_m));
+        let columns = (cell_of(p.x - best.reach_m), cell_of(p.x + best.reach_m));
         let (y0, y1) = (cell_of(p.y - best.reach_m), cell_of(p.y + best.reach_m));
-        for cy in y0..=y1 {
-            for cx in x0..=x1 {
-                let list = self.cells.get((cx, cy));
-                if !list.is_empty() && (cx, cy) != own && best.reaches((cx, cy)) {
+        for y in y0..=y1 {
+            self.cells.in_row(y, columns, |cell, list| {
+                if cell != own && best.reaches(cell) {
                     best.look(list, &allowed);
                 }
-            }
+            });
         }
         best.foot
     }

@@ -6,7 +6,7 @@
 
 use super::gaussian::PoseGaussian;
 use super::induced::WALL_SIGMA_M;
-use super::outline::{Outline, Seen};
+use super::outline::Outline;
 use super::walls::{REACH_M, Sample, WallGrid, samples_of, walls_of};
 use crate::align::Information;
 use crate::geometry::{Point, Polyline, Pose};
@@ -100,7 +100,7 @@ impl Judge {
                     let share = near.distance_m / reach_m;
                     lengths.explained_m += sample.length_m * (1.0 - share * share);
                 }
-                None if self.reference_outline.seen(point) == Seen::Through => {
+                None if self.reference_outline.is_through(point) => {
                     lengths.through_m += sample.length_m;
                 }
                 None => {}
@@ -115,7 +115,7 @@ impl Judge {
         for sample in self.reference.iter().step_by(step) {
             let point = turn(sample.point) + scan_from_reference.translation();
             lengths.all_m += sample.length_m;
-            if self.scan_outline.seen(point) == Seen::Through {
+            if self.scan_outline.is_through(point) {
                 lengths.through_m += sample.length_m;
             }
         }

@@ -1,7 +1,7 @@
 //! What polylines look like from the origin of their frame: the nearest wall in each direction.
 //!
-//! In: walls seen from the origin. Out: the range at which the view ends, degree by degree. Its use is
-//! visibility: a wall that a pose puts clearly before the place where the other view ends was looked through.
+//! In: walls seen from the origin. Out: whether the view goes past a point: a wall that a pose puts clearly before the
+//! place where the other view ends was looked through.
 
 use std::f64::consts::TAU;
 
@@ -14,25 +14,14 @@ const BIN_RAD: f64 = TAU / BINS as f64;
 /// a fit, so that what fits badly is not punished twice.
 const CLEAR_M: f64 = 0.3;
 
-/// Range of the nearest wall for each degree; infinite where none is, which says nothing.
+/// How far the view has been looked through, for each degree.
 #[derive(Debug)]
 pub(super) struct Outline {
-    ranges_m: Vec<f64>,
-    /// Smallest range of a bin and its two neighbours: walls at a grazing angle change range by metres a degree.
-    near_m: Vec<f64>,
-}
-
-/// What a view says about a wall somewhere in it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Seen {
-    /// The view does not go there: nothing in this direction.
-    Unknown,
-    /// The wall is behind something.
-    Hidden,
-    /// The wall is where the view ends.
-    Expected,
-    /// The view goes past it.
-    Through,
+    /// What is nearer than this stands before the nearest wall of a bin and its two neighbours: walls at a grazing angle change
+    /// range by metres a degree. Nothing is where the view shows no wall.
+    through_m: Vec<f64>,
+    /// The farthest of them.
+    farthest_m: f64,
 }
 
 impl Outline {
@@ -60,30 +49,28 @@ impl Outline {
             }
         }
         let around = |k: usize| ranges_m[(k + BINS - 1) % BINS].min(ranges_m[(k + 1) % BINS]);
-        let near_m = (0..BINS)
+        let through_m: Vec<f64> = (0..BINS)
             .map(|k| {
                 if ranges_m[k].is_finite() {
-                    ranges_m[k].min(around(k))
+                    ranges_m[k].min(around(k)) - CLEAR_M
                 } else {
-                    f64::INFINITY
+                    0.0
                 }
             })
             .collect();
-        Self { ranges_m, near_m }
+        Self {
+            farthest_m: through_m.iter().copied().fold(0.0, f64::max),
+            through_m,
+        }
     }
 
-    pub fn seen(&self, point: Point) -> Seen {
-        let bin = (point.bearing_rad() / BIN_RAD).floor() as i64;
-        let bin = bin.rem_euclid(BINS as i64) as usize;
-        let (view_m, near_m, range_m) = (self.ranges_m[bin], self.near_m[bin], point.norm());
-        if !view_m.is_finite() {
-            Seen::Unknown
-        } else if range_m < near_m - CLEAR_M {
-            Seen::Through
-        } else if range_m > view_m + CLEAR_M {
-            Seen::Hidden
-        } else {
-            Seen::Expected
+    /// Whether the view goes past a point: a wall there was looked through.
+    pub fn is_through(&self, point: Point) -> bool {
+        let range_m = point.norm();
+        // The bearing costs more than all the rest.
+        range_m < self.farthest_m && {
+            let bin = (point.bearing_rad() / BIN_RAD).floor() as i64;
+            range_m < self.through_m[bin.rem_euclid(BINS as i64) as usize]
         }
     }
 }
@@ -100,20 +87,20 @@ mod tests {
         let corners = [(2.0, -2.0), (2.0, 2.0), (-3.0, 2.0), (-3.0, -2.0), (2.0, -2.0)];
         let room = Polyline::new(corners.iter().map(|&(x, y)| Point::new(x, y)).collect()).unwrap();
         let outline = Outline::new(&walls_of(&[room]));
-        assert_eq!(outline.seen(Point::new(-1.0, 0.01)), Seen::Through);
-        assert_eq!(outline.seen(Point::new(-3.1, -0.01)), Seen::Expected);
-        assert_eq!(outline.seen(Point::new(0.0, 5.0)), Seen::Hidden);
+        assert!(outline.is_through(Point::new(-1.0, 0.01)));
         assert!(
-            (0..360)
-                .all(|d| outline.seen(Point::from_polar(1.0, f64::from(d).to_radians())) == Seen::Through)
+            !outline.is_through(Point::new(-3.1, -0.01)),
+            "where the view ends"
         );
+        assert!(!outline.is_through(Point::new(0.0, 5.0)), "behind a wall");
+        assert!((0..360).all(|d| outline.is_through(Point::from_polar(1.0, f64::from(d).to_radians()))));
     }
 
     #[test]
     fn where_nothing_was_seen_nothing_is_known() {
         let wall = Polyline::new(vec![Point::new(2.0, -1.0), Point::new(2.0, 1.0)]).unwrap();
         let outline = Outline::new(&walls_of(&[wall]));
-        assert_eq!(outline.seen(Point::new(-1.0, 0.0)), Seen::Unknown);
-        assert_eq!(outline.seen(Point::new(1.0, 0.0)), Seen::Through);
+        assert!(!outline.is_through(Point::new(-1.0, 0.0)));
+        assert!(outline.is_through(Point::new(1.0, 0.0)));
     }
 }

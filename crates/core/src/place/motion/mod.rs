@@ -220,29 +220,19 @@ impl Motion {
     /// Where it is after steps that it has made before: at most `most`, as different from each other as can be.
     pub fn as_before(&self, most: usize) -> Vec<Guess> {
         let mut chosen: Vec<Pose> = Vec::new();
-        let mut candidates: Vec<Pose> = self.steps.iter().rev().copied().collect();
-        let mut next = self.commonest();
-        while let Some(step) = next {
+        let mut candidates: Vec<(Pose, f64)> = self
+            .steps
+            .iter()
+            .rev()
+            .map(|&s| (s, self.as_before_density(s)))
+            .collect();
+        while chosen.len() < most
+            && let Some(&(step, _)) = candidates.iter().max_by(|a, b| a.1.total_cmp(&b.1))
+        {
             chosen.push(step);
-            candidates.retain(|c| squares(*c, step, spread(step)) > 4.0);
-            next = (chosen.len() < most)
-                .then(|| self.likeliest(&candidates))
-                .flatten();
+            candidates.retain(|(c, _)| squares(*c, step, spread(step)) > 4.0);
         }
         chosen.into_iter().map(|step| self.after_step(step)).collect()
-    }
-
-    fn commonest(&self) -> Option<Pose> {
-        let steps: Vec<Pose> = self.steps.iter().rev().copied().collect();
-        self.likeliest(&steps)
-    }
-
-    fn likeliest(&self, steps: &[Pose]) -> Option<Pose> {
-        let density = |step: &Pose| self.as_before_density(*step);
-        steps
-            .iter()
-            .copied()
-            .max_by(|a, b| density(a).total_cmp(&density(b)))
     }
 
     /// How likely a pose is to be the next, against the likeliest one: the natural logarithm of the ratio of the
