@@ -2,7 +2,9 @@
 
 use polymapper_core::join::SavedMap;
 use polymapper_core::map::Map;
-use polymapper_core::mapper::{self, Mapper, NotPlaced, Quality, Revoked, Settings, Stage, Step};
+use polymapper_core::mapper::{
+    self, LooseStretch, Mapper, NotPlaced, Quality, Revoked, Settings, Stage, Step,
+};
 use polymapper_io::log::{BadScan, LogScan};
 use polymapper_io::out::Outcome;
 use serde_json::Value;
@@ -35,6 +37,8 @@ pub struct Finished {
     pub noted: Vec<Noted>,
     /// What was taken back or put right, in words.
     pub corrections: Vec<String>,
+    /// Where the map may be wrong; scans are numbered as in the log.
+    pub loose: Vec<LooseStretch>,
     /// What must be kept to continue the map; scans are numbered as they were added.
     pub saved: SavedMap,
     /// How the map came to be.
@@ -119,6 +123,8 @@ impl Mapping for CoreMapping {
             let number = self.numbers[scan];
             format!("scan {number} contradicted the finished map and was placed again")
         }));
+        let loose = self.mapper.loose_stretches();
+        let loose = loose.into_iter().map(|l| l.numbered(&self.numbers)).collect();
         let map = self.mapper.map();
         let outcomes = self.mapper.outcomes();
         clock.enter("record");
@@ -129,6 +135,7 @@ impl Mapping for CoreMapping {
             outcomes: outcomes.iter().map(outcome).collect(),
             noted: self.noted,
             corrections: self.corrections,
+            loose,
             recorded,
         })
     }

@@ -205,3 +205,27 @@ fn every_scan_of_a_simulated_log_says_how_well_it_was_placed() {
         .sum();
     assert_eq!(won, rows as u64);
 }
+
+#[test]
+fn a_map_that_walls_did_not_tell_says_where_it_may_be_wrong() {
+    let folder = tempfile::tempdir().unwrap();
+    // Round walls, a scanner that sees 5.6 m, a metre from scan to scan; and an office seen by one that sees it all.
+    for (plan, scanner, is_told) in [("oblique", "hokuyo240", false), ("office", "sick180", true)] {
+        let log = folder.path().join(format!("{plan}.log"));
+        let name = log.display().to_string();
+        let simulate = ["simulate", "--plan", plan, "--scanner", scanner, "--seed", "3"];
+        polymapper(&[&simulate[..], &["--keyframes", "--scans", "60", "-o", &name]].concat());
+        let out = folder.path().join(plan);
+        let talk = String::from_utf8(build(&log, &out).stderr).unwrap();
+        let report = json(&out, "report.json");
+        let loose = report["quality"]["loose"].as_array().unwrap();
+        assert_eq!(loose.is_empty(), is_told, "{loose:?}");
+        assert_eq!(talk.contains("the map may be wrong"), !is_told, "{talk}");
+        for stretch in loose {
+            let scan = |end: &str| stretch[end].as_u64().unwrap();
+            assert!(scan("from_scan") < scan("to_scan") && scan("to_scan") < 60);
+            let (sigma_m, sigma_rad) = (&stretch["sigma_m"], &stretch["sigma_rad"]);
+            assert!(sigma_m.as_f64().unwrap() > 0.249 || sigma_rad.as_f64().unwrap() > 0.099);
+        }
+    }
+}

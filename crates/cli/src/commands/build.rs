@@ -10,7 +10,7 @@ use std::path::Path;
 use anyhow::Context;
 use polymapper_core::geometry::Polyline;
 use polymapper_core::map::Map;
-use polymapper_core::mapper::Settings;
+use polymapper_core::mapper::{LooseStretch, Settings};
 use polymapper_io::log::{Entry, Log};
 use polymapper_io::out::formats::{ExportFormat, ScanSource};
 use polymapper_io::out::{
@@ -26,7 +26,7 @@ use crate::map_folder::{LaserLine, MapFolder, UNUSABLE};
 use crate::mapping::{CoreMapping, Mapping};
 use crate::record::BuildRecord;
 use crate::scans::{self, Reading};
-use crate::talk::say;
+use crate::talk::{say, say_loose};
 use crate::{Finish, memory, pictures, report_html};
 
 /// Runs the command.
@@ -132,7 +132,7 @@ pub fn build(
         partial: reading.partial.clone(),
         input: InputReport::new(log.name(), log.format(), odometry_used, &reading.tally),
         scans: scan_report(&rows),
-        quality: QualityReport::of(&rows, Settings::default().place.clear_lead),
+        quality: QualityReport::of(&rows, &finished.loose, Settings::default().place.clear_lead),
         map: map_report(&map, folder)?,
         stages: clock.times(),
         peak_memory_bytes: memory::peak_bytes(),
@@ -141,7 +141,7 @@ pub fn build(
     };
     AtomicFile::write(&folder.join("report.json"), |f| report.write(f))?;
     report_html::write(folder, &report, &map, returns, finished.recorded)?;
-    tell(&report, &reading, folder);
+    tell(&report, &finished.loose, &reading, folder);
     Ok(Finish::with_loss(
         reading.has_loss() || report.scans.not_placed > 0,
     ))
@@ -185,7 +185,7 @@ fn map_report(map: &Map, folder: &Path) -> anyhow::Result<MapReport> {
     })
 }
 
-fn tell(report: &Report, reading: &Reading, folder: &Path) {
+fn tell(report: &Report, loose: &[LooseStretch], reading: &Reading, folder: &Path) {
     let (scans, map) = (&report.scans, &report.map);
     say(format_args!(
         "{} of {} scans placed; {} polylines, {} vertices, {:.1} m, {} bytes: {}",
@@ -205,6 +205,7 @@ fn tell(report: &Report, reading: &Reading, folder: &Path) {
     for (reason, count) in &scans.not_placed_by_reason {
         say(format_args!("not placed: {count} ({reason})"));
     }
+    say_loose(loose);
     if let Some(partial) = &reading.partial {
         say(format_args!("the result is partial: {partial}"));
     }
@@ -291,6 +292,7 @@ mod tests {
                 noted: (0..self.outcomes.len()).map(noted).collect(),
                 outcomes: self.outcomes,
                 corrections: Vec::new(),
+                loose: Vec::new(),
                 saved: SavedMap::default(),
                 recorded: Recorded(Vec::new()),
             })

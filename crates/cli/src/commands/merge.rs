@@ -13,7 +13,8 @@ use crate::interrupt::Interrupt;
 use crate::map_folder::{LaserLine, MapFolder};
 use crate::mapping::{Noted, outcome};
 use crate::scans::{self, Reading};
-use crate::{Finish, pictures, talk::say};
+use crate::talk::{say, say_loose};
+use crate::{Finish, pictures};
 
 /// Where the map of a log goes that could not be joined.
 const APART: &str = "apart";
@@ -77,15 +78,18 @@ pub fn continue_map(args: &BuildArgs, old: &Path) -> anyhow::Result<Finish> {
 fn map_log(args: &BuildArgs) -> anyhow::Result<(MapFolder, Reading)> {
     let mut log = scans::open(&args.log.choice.log, args.log.read_options())?;
     let mut mapper = Mapper::new(Settings::default());
-    let (mut lines, mut noted) = (Vec::new(), Vec::new());
+    let (mut lines, mut noted, mut numbers) = (Vec::new(), Vec::new(), Vec::new());
     let reading = scans::for_each(&mut log, &Interrupt::listen()?, |entry| {
         lines.push(LaserLine::of(&entry));
         if let Entry::Scan(scan) = entry {
+            numbers.push(scan.index);
             noted.push(Noted::of(&mapper.add_scan(&scan.scan, scan.odometry)));
         }
         Ok(())
     })?;
     mapper.settle();
+    let loose = mapper.loose_stretches().into_iter();
+    say_loose(&loose.map(|l| l.numbered(&numbers)).collect::<Vec<_>>());
     let outcomes = mapper.outcomes().iter().map(outcome).collect();
     let second = MapFolder::of(lines, mapper.map(), outcomes, &noted, mapper.saved())?;
     Ok((second, reading))

@@ -7,6 +7,7 @@
 mod edges;
 mod enough;
 mod local;
+pub(super) mod loose;
 mod saved;
 mod settle;
 mod shown;
@@ -150,6 +151,11 @@ impl Atlas {
         self.keyframes
             .get(keyframe)
             .map_or(Pose::IDENTITY, |k| k.map_from_scan)
+    }
+
+    /// Poses of all keyframes.
+    fn poses(&self) -> Vec<Pose> {
+        self.keyframes.iter().map(|k| k.map_from_scan).collect()
     }
 
     /// Whether a scan at `pose` shall be merged.
@@ -307,7 +313,7 @@ impl Atlas {
 
     /// Takes closures out of the graph that all the others contradict.
     pub fn revoke(&mut self) -> Vec<Revoked> {
-        let poses: Vec<Pose> = self.keyframes.iter().map(|k| k.map_from_scan).collect();
+        let poses = self.poses();
         let contradicted = contradicted(&poses, &self.edges);
         let told = |&k: &usize| {
             let edge = &self.edges[k];
@@ -386,7 +392,7 @@ impl Atlas {
 
     /// Moves the keyframes so that they agree with all edges.
     pub fn optimise(&mut self) {
-        let mut poses: Vec<Pose> = self.keyframes.iter().map(|k| k.map_from_scan).collect();
+        let mut poses = self.poses();
         optimise(&mut poses, &self.edges);
         for (keyframe, pose) in self.keyframes.iter_mut().zip(poses) {
             keyframe.map_from_scan = pose;

@@ -50,6 +50,7 @@ use track::Track;
 use tracks::{Onward, onward};
 
 pub use crate::place::Origin;
+pub use atlas::loose::LooseStretch;
 pub use quality::Quality;
 pub use settings::Settings;
 pub use step::{Hypothesis, NotPlaced, Outcome, Revoked, Stage, Step};
@@ -235,6 +236,13 @@ impl Mapper {
     #[must_use]
     pub fn outcomes(&self) -> Vec<Outcome> {
         self.tracks.first().map_or_else(Vec::new, Track::outcomes)
+    }
+
+    /// Where the map hangs together loosely: stretches of the way that all that was measured leaves open by more than 0.25 m
+    /// or 0.1 rad (one standard deviation). A map may be wrong there and fit all the same. For a map that is settled.
+    #[must_use]
+    pub fn loose_stretches(&self) -> Vec<LooseStretch> {
+        self.tracks.first().map_or_else(Vec::new, Track::loose_stretches)
     }
 
     /// What must be kept of the map so that it can be continued another day.

@@ -9,7 +9,7 @@
 
 use super::atlas::Atlas;
 use super::left::Left;
-use super::{NotPlaced, Outcome, Settings, Step};
+use super::{LooseStretch, NotPlaced, Outcome, Settings, Step};
 use crate::align::Covariance;
 use crate::geometry::Pose;
 use crate::join::SavedMap;
@@ -298,6 +298,11 @@ impl Track {
         }
         placed_again.sort_unstable();
         placed_again
+    }
+
+    /// Stretches of the way that are known poorly.
+    pub fn loose_stretches(&self) -> Vec<LooseStretch> {
+        self.main().loose_stretches()
     }
 
     /// What must be kept of the map.

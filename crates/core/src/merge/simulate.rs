@@ -28,6 +28,7 @@ pub(crate) fn scan_points(
     number: u32,
     spacing_m: f64,
 ) -> Vec<ScanPoint> {
+    let map_from_scan = map_from_scan.isometry();
     let mut out = Vec::new();
     for side in polyline.polyline.sides() {
         let Some(direction) = side.direction() else {

@@ -27,7 +27,7 @@ pub use map_file::{MAP_FORMAT, MAP_VERSION, MapFile, write_map};
 pub(crate) use map_file_in::{FARTHEST_M, map_from_json};
 pub use map_file_in::{MapFileError, read_map};
 pub use polylines::write_polylines;
-pub use quality_report::{QualityReport, RankReport};
+pub use quality_report::{LooseReport, QualityReport, RankReport};
 pub use report::{InputReport, MapReport, Report, ScanReport, StageTime};
 pub use trajectory::{Outcome, TrajectoryRow, write_trajectory_csv, write_trajectory_tum};
 pub use trajectory_in::{TrajectoryFileError, read_trajectory_csv};

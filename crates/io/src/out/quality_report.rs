@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use polymapper_core::mapper::LooseStretch;
 use serde::Serialize;
 
 use super::decimals::{rounded_3, rounded_4};
@@ -26,6 +27,32 @@ pub struct QualityReport {
     pub largest_sigma_m: Option<f64>,
     /// .. and which scan that is.
     pub largest_sigma_scan: Option<usize>,
+    /// Where the finished map hangs together loosely, and may be wrong.
+    pub loose: Vec<LooseReport>,
+}
+
+/// A stretch of the way that is known poorly.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct LooseReport {
+    /// The last scan before it ..
+    pub from_scan: usize,
+    /// .. and the first behind it.
+    pub to_scan: usize,
+    /// Standard deviation of the motion between the two, metres.
+    pub sigma_m: f64,
+    /// Standard deviation of the turn between them, radians.
+    pub sigma_rad: f64,
+}
+
+impl From<LooseStretch> for LooseReport {
+    fn from(stretch: LooseStretch) -> Self {
+        Self {
+            from_scan: stretch.from_scan,
+            to_scan: stretch.to_scan,
+            sigma_m: rounded_3(stretch.sigma_m),
+            sigma_rad: rounded_4(stretch.sigma_rad),
+        }
+    }
 }
 
 /// Scans by rank.
@@ -40,10 +67,13 @@ pub struct RankReport {
 }
 
 impl QualityReport {
-    /// Of all `rows`; a lead below `clear_lead` is not clear.
+    /// Of all `rows` and the loose stretches of the map; a lead below `clear_lead` is not clear.
     #[must_use]
-    pub fn of(rows: &[TrajectoryRow], clear_lead: f64) -> Self {
-        let mut report = Self::default();
+    pub fn of(rows: &[TrajectoryRow], loose: &[LooseStretch], clear_lead: f64) -> Self {
+        let mut report = Self {
+            loose: loose.iter().copied().map(LooseReport::from).collect(),
+            ..Self::default()
+        };
         let mut fits = Vec::new();
         for row in rows {
             let quality = &row.quality;
@@ -117,7 +147,7 @@ mod tests {
             row(3, true, 0.20, 3, 0.7),
             unknown,
         ];
-        let report = QualityReport::of(&rows, 0.15);
+        let report = QualityReport::of(&rows, &[], 0.15);
         assert_eq!(report.won, BTreeMap::from([("search", 4)]));
         assert_eq!((report.narrow_lead, report.open), (1, 2));
         assert_eq!((report.rank.three, report.rank.two, report.rank.less), (2, 1, 1));
@@ -125,6 +155,6 @@ mod tests {
         assert_eq!(report.fit_median, Some(0.8));
         assert_eq!(report.largest_sigma_m, Some(0.5), "scan 2 has no place");
         assert_eq!(report.largest_sigma_scan, Some(1));
-        assert_eq!(QualityReport::of(&[], 0.15), QualityReport::default());
+        assert_eq!(QualityReport::of(&[], &[], 0.15), QualityReport::default());
     }
 }

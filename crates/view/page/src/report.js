@@ -12,7 +12,8 @@ import { figures } from "./panel.js";
  *   stamps_backwards: number, other_messages: Record<string, number>}} input
  * @property {{read: number, placed: number, not_placed: number, not_placed_by_reason: Record<string, number>}} scans
  * @property {{won: Record<string, number>, narrow_lead: number, open: number, rank: {three: number, two: number, less: number},
- *   largest_sigma_m: number | null, largest_sigma_scan: number | null}} quality
+ *   largest_sigma_m: number | null, largest_sigma_scan: number | null,
+ *   loose?: {from_scan: number, to_scan: number, sigma_m: number, sigma_rad: number}[]}} quality
  * @property {{polylines: number, vertices: number, length_m: number, eraser_boxes: number, bytes: number}} map
  * @property {{stage: string, wall_s: number, cpu_s: number | null}[]} stages
  * @property {number | null} peak_memory_bytes
@@ -157,6 +158,10 @@ function qualityRows({ quality }) {
   if (quality.largest_sigma_m !== null) {
     rows.push(["Largest standard deviation", length(quality.largest_sigma_m)]);
     rows.push(["– at scan", count(quality.largest_sigma_scan ?? 0)]);
+  }
+  // The map may be wrong there.
+  for (const { from_scan, to_scan, sigma_m } of quality.loose ?? []) {
+    rows.push([`Known poorly: scan ${count(from_scan)} to ${count(to_scan)}`, length(sigma_m)]);
   }
   return rows;
 }

@@ -8,12 +8,14 @@
 //! elimination in order of least degree ([`elimination`], [`sparse`]).
 
 mod elimination;
+mod loose;
 mod sparse;
 
 use crate::align::Information;
 use crate::geometry::matrix::Matrix;
 use crate::geometry::{Point, Pose, wrap_rad};
 use elimination::Elimination;
+pub(crate) use loose::loose;
 use sparse::System;
 
 /// A measured motion between two nodes.
