@@ -4,10 +4,11 @@
 //! a row as one stretch, with the covariance of the motion along it. A map may be wrong there and fit all the same:
 //! between round walls, along bare corridors, and where two places looked alike.
 
+use super::sparse::Factors;
 use super::{Edge, Elimination, linearise, standing};
 use crate::align::Covariance;
 use crate::geometry::Pose;
-use crate::geometry::matrix::{Column, Matrix, add_to, product, times, transposed};
+use crate::geometry::matrix::{Matrix, ZERO, add_to, product, times, transposed};
 
 /// A step that is known worse than this begins a stretch or goes on with it, metres and radians: five times as badly as in rooms.
 const OPEN_M: f64 = 0.05;
@@ -21,7 +22,8 @@ const LOOSE_RAD: f64 = 0.1;
 pub(crate) struct Loose {
     pub from: usize,
     pub to: usize,
-    /// Of the motion along it, axes of node `from`.
+    /// Of the motion along the whole of it or along one of its steps, whatever is known least; axes of the node where that begins.
+    /// (A place seen again before and after it ties its ends, and leaves open where the scanner was between them.)
     pub covariance: Covariance,
 }
 
@@ -35,42 +37,50 @@ pub(crate) fn loose(poses: &[Pose], edges: &[Edge]) -> Vec<Loose> {
     let inverse = factors.inverse();
     let step = |from: usize| {
         let jacobians = jacobians(poses, from, from + 1);
-        covariance(&jacobians, |i, j| inverse.between(from + i, from + j))
+        (
+            from,
+            of_step(&jacobians, |i, j| inverse.between(from + i, from + j)),
+        )
     };
-    let is_open = |from: &usize| is_beyond(&step(*from), OPEN_M, OPEN_RAD);
-    let open: Vec<usize> = (0..poses.len().saturating_sub(1)).filter(is_open).collect();
-    open.chunk_by(|a, b| a + 1 == *b)
-        .map(|steps| {
-            let (from, to) = (steps[0], steps[steps.len() - 1] + 1);
-            let jacobians = jacobians(poses, from, to);
-            // Columns of H⁻¹ (A B)ᵀ.
-            let columns: Vec<[Column; 2]> = (0..3)
-                .map(|row| {
-                    let mut right = vec![[0.0; 3]; poses.len()];
-                    (right[from], right[to]) = (jacobians.0[row], jacobians.1[row]);
-                    let moves = factors.solve(right);
-                    [moves[from], moves[to]]
-                })
-                .collect();
-            let rows = [0, 1, 2].map(|r| {
-                let (a, b) = (
-                    times(&jacobians.0, columns[r][0]),
-                    times(&jacobians.1, columns[r][1]),
-                );
-                [0, 1, 2].map(|c| a[c] + b[c])
-            });
-            Loose {
-                from,
-                to,
-                covariance: Covariance { rows },
-            }
+    let is_open = |step: &(usize, Covariance)| beyond(&step.1, OPEN_M, OPEN_RAD) > 1.0;
+    let steps = (0..poses.len().saturating_sub(1)).map(step);
+    let open: Vec<(usize, Covariance)> = steps.filter(is_open).collect();
+    open.chunk_by(|a, b| a.0 + 1 == b.0)
+        .filter_map(|steps| {
+            let (from, to) = (steps[0].0, steps[steps.len() - 1].0 + 1);
+            let whole = of_stretch(&factors, poses, from, to);
+            let by_doubt = |a: &Covariance, b: &Covariance| {
+                let doubt = |c: &Covariance| beyond(c, LOOSE_M, LOOSE_RAD);
+                doubt(a).total_cmp(&doubt(b))
+            };
+            let parts = steps.iter().map(|(_, covariance)| *covariance);
+            let covariance = parts.chain([whole]).max_by(by_doubt)?;
+            let is_loose = beyond(&covariance, LOOSE_M, LOOSE_RAD) > 1.0;
+            is_loose.then_some(Loose { from, to, covariance })
         })
-        .filter(|stretch| is_beyond(&stretch.covariance, LOOSE_M, LOOSE_RAD))
         .collect()
 }
 
-fn is_beyond(covariance: &Covariance, sigma_m: f64, sigma_rad: f64) -> bool {
-    covariance.widest_m() > sigma_m || covariance.rows[2][2] > sigma_rad * sigma_rad
+/// How many times as large the standard deviations are as these, the larger of place and heading.
+fn beyond(covariance: &Covariance, sigma_m: f64, sigma_rad: f64) -> f64 {
+    let turn_rad = covariance.rows[2][2].max(0.0).sqrt();
+    (covariance.widest_m() / sigma_m).max(turn_rad / sigma_rad)
+}
+
+/// Covariance of the motion between any two nodes, (A B) H⁻¹ (A B)ᵀ.
+fn of_stretch(factors: &Factors, poses: &[Pose], from: usize, to: usize) -> Covariance {
+    let (a, b) = jacobians(poses, from, to);
+    let mut rows = ZERO;
+    for column in 0..3 {
+        let mut right = vec![[0.0; 3]; poses.len()];
+        (right[from], right[to]) = (a[column], b[column]);
+        let moves = factors.solve(right);
+        let (by_from, by_to) = (times(&a, moves[from]), times(&b, moves[to]));
+        for row in 0..3 {
+            rows[row][column] = by_from[row] + by_to[row];
+        }
+    }
+    Covariance { rows }
 }
 
 /// Derivatives of the motion between two nodes by their poses.
@@ -85,9 +95,9 @@ fn jacobians(poses: &[Pose], from: usize, to: usize) -> (Matrix, Matrix) {
     edge.at(poses).jacobians()
 }
 
-/// (A B) C (A B)ᵀ, C by blocks.
-fn covariance((a, b): &(Matrix, Matrix), block: impl Fn(usize, usize) -> Matrix) -> Covariance {
-    let mut rows = [[0.0; 3]; 3];
+/// The same for nodes that are tied, H⁻¹ by its blocks.
+fn of_step((a, b): &(Matrix, Matrix), block: impl Fn(usize, usize) -> Matrix) -> Covariance {
+    let mut rows = ZERO;
     for (i, left) in [a, b].into_iter().enumerate() {
         for (j, right) in [a, b].into_iter().enumerate() {
             add_to(
@@ -142,6 +152,26 @@ mod tests {
         let (poses, mut edges) = row(20, &[5, 15]);
         edges.push(tie(2, 9, 0.02));
         assert_eq!(stretches(&poses, &edges), [(15, 16)]);
+    }
+
+    #[test]
+    fn a_scan_that_hangs_between_two_that_are_known_is_loose() {
+        let (poses, mut edges) = row(20, &[5, 6]);
+        edges.push(tie(4, 8, 0.02));
+        let found = loose(&poses, &edges);
+        assert_eq!(stretches(&poses, &edges), [], "{found:?}");
+        let (poses, mut edges) = row(20, &[]);
+        for edge in &mut edges[5..7] {
+            edge.information = Information::from_sigmas(0.5, 0.01, 0.001);
+        }
+        edges.push(tie(4, 8, 0.02));
+        let found = loose(&poses, &edges);
+        assert_eq!(stretches(&poses, &edges), [(5, 7)]);
+        let sigma_m = found[0].covariance.widest_m();
+        assert!(
+            (sigma_m - 0.354).abs() < 0.01,
+            "half way to either side: {sigma_m}"
+        );
     }
 
     #[test]
