@@ -182,8 +182,8 @@ async function playLive(log, page, viewer) {
 
 test("a scan of a live stream is shown within 100 ms, at 40 scans a second", async ({ page, viewing, scratch }) => {
   test.setTimeout(180_000);
-  // Every scan of a robot that drives, as a live stream has them. The sample keeps one in some centimetres to half a metre: at
-  // 40 a second that is a drive of up to 20 m/s, and measures how fast scans without a prediction are searched for.
+  // Every scan of a robot that drives, as a live stream has them. The sample keeps one every half metre: at 40 a second that is a
+  // drive of 20 m/s, and measures how fast scans without a prediction are searched for.
   const log = join(scratch, "live.log.gz");
   run(["simulate", "--plan", "office", "--scans", "300", "-o", log]);
   await judge("live, p95 of 300 scans", 100, { wanted: 3, tries: 6 }, async () => {
