@@ -160,9 +160,11 @@ function qualityRows({ quality }) {
     rows.push(["– at scan", count(quality.largest_sigma_scan ?? 0)]);
   }
   // The map may be wrong there.
-  for (const { from_scan, to_scan, sigma_m } of quality.loose ?? []) {
+  const loose = quality.loose ?? [];
+  for (const { from_scan, to_scan, sigma_m } of loose.slice(0, MOST_LINES)) {
     rows.push([`Known poorly: scan ${count(from_scan)} to ${count(to_scan)}`, length(sigma_m)]);
   }
+  if (loose.length > MOST_LINES) rows.push(["– more in report.json", count(loose.length - MOST_LINES)]);
   return rows;
 }
 
