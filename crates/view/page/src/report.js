@@ -160,7 +160,7 @@ function qualityRows({ quality }) {
     rows.push(["– at scan", count(quality.largest_sigma_scan ?? 0)]);
   }
   // The map may be wrong there.
-  const loose = quality.loose ?? [];
+  const loose = (quality.loose ?? []).toSorted((a, b) => b.sigma_m - a.sigma_m);
   for (const { from_scan, to_scan, sigma_m } of loose.slice(0, MOST_LINES)) {
     rows.push([`Known poorly: scan ${count(from_scan)} to ${count(to_scan)}`, length(sigma_m)]);
   }
