@@ -10,16 +10,16 @@ pub fn say(words: Arguments<'_>) {
     let _ = writeln!(io::stderr(), "{words}");
 }
 
-/// Says where a map may be wrong: the worst stretch, and how many more there are. Nothing where all is known well.
+/// Says where a map may be wrong: the worst stretch, and of how many. Nothing where all is known well.
 pub fn say_loose(loose: &[LooseStretch]) {
     let Some(worst) = loose.iter().max_by(|a, b| a.sigma_m.total_cmp(&b.sigma_m)) else {
         return;
     };
-    let more = match loose.len() - 1 {
-        0 => String::new(),
-        more => format!("; {more} more such stretches"),
+    let of_all = match loose.len() {
+        1 => String::new(),
+        count => format!(", the worst of {count} such stretches"),
     };
     say(format_args!(
-        "the map may be wrong where walls do not tell the way: {worst}{more}"
+        "the map may be wrong where walls do not tell the way: {worst}{of_all}"
     ));
 }

@@ -38,9 +38,9 @@ pub struct LooseReport {
     pub from_scan: usize,
     /// .. and the first behind it.
     pub to_scan: usize,
-    /// Standard deviation of the motion between the two, metres.
+    /// Standard deviation of the motion along it or along its worst step, metres.
     pub sigma_m: f64,
-    /// Standard deviation of the turn between them, radians.
+    /// Standard deviation of the turn there, radians.
     pub sigma_rad: f64,
 }
 

@@ -1,6 +1,6 @@
 // How many times as much one thing takes as another, on a machine on which the same thing takes now more, now less.
 
-/** Standard errors on either side: 97 % of Student's t with seven degrees of freedom, eight pairs, lie within. */
+/** Standard errors on either side: of Student's t, 96 % lie within by eight pairs, 91 % by four. */
 const STANDARD_ERRORS = 2.5;
 
 /**

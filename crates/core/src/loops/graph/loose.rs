@@ -10,10 +10,12 @@ use crate::align::Covariance;
 use crate::geometry::Pose;
 use crate::geometry::matrix::{Matrix, ZERO, add_to, product, times, transposed};
 
-/// A step that is known worse than this begins a stretch or goes on with it, metres and radians: five times as badly as in rooms.
+/// A step that is known worse than this begins a stretch or goes on with it, metres and radians. (The worst of raw intel is known to
+/// 0.032 m and 0.013 rad.)
 const OPEN_M: f64 = 0.05;
 const OPEN_RAD: f64 = 0.02;
-/// A stretch that is known worse than this is loose.
+/// A stretch that is known worse than this is loose, metres and radians. (Of 60 simulated keyframe logs, seven of the eight wrong ones
+/// have such stretches, and six of the others; with 0.125 m, all eight and twelve.)
 const LOOSE_M: f64 = 0.25;
 const LOOSE_RAD: f64 = 0.1;
 

@@ -13,9 +13,10 @@ pub struct LooseStretch {
     pub from_scan: usize,
     /// The first scan behind it.
     pub to_scan: usize,
-    /// Standard deviation of the motion between the two, metres, in the direction in which least is known.
+    /// Standard deviation of the motion along the whole of it, or along the step in it that is known least, whichever is larger;
+    /// metres, in the direction in which least is known.
     pub sigma_m: f64,
-    /// Standard deviation of the turn between them, radians.
+    /// Standard deviation of the turn there, radians.
     pub sigma_rad: f64,
 }
 
